@@ -1,0 +1,3 @@
+//! Sans-io bus master.
+
+pub mod time;

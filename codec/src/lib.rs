@@ -1,0 +1,5 @@
+//! Modbus codec.
+#![no_std]
+extern crate alloc;
+
+pub mod line;
