@@ -2,4 +2,12 @@
 #![no_std]
 extern crate alloc;
 
+pub mod adu;
+pub mod ascii;
+pub mod check;
 pub mod line;
+pub mod pdu;
+pub mod rtu;
+mod unit;
+
+pub use unit::UnitId;

@@ -1,0 +1,461 @@
+//! The master's state machine for one line.
+//!
+//! In: [`Master::handle_bytes`], [`Master::handle_timeout`], [`Master::handle_link`], and the wishes [`Master::connect`],
+//! [`Master::disconnect`], [`Master::submit`], [`Master::set_poll`]. After any of them drain, in this order and until
+//! empty: [`Master::poll_link`], [`Master::poll_transmit`], [`Master::poll_event`], [`Master::poll_timeout`]. A spurious
+//! timeout is harmless.
+//!
+//! Rules that keep a wrong value from ever being taken for an answer:
+//! - a reply is found by what the request lets expect (unit, function, byte count, echoed fields, check), anywhere among
+//!   stray bytes; silence only tells that no more is to come;
+//! - a request that timed out may still be answered. While that is possible, a reply of its shape is not believed to
+//!   answer a newer request, unless there are as many replies as requests;
+//! - the echo of a half-duplex adapter is taken off by content, never by flushing.
+
+mod echo;
+mod expect;
+mod inbox;
+mod link;
+mod overdue;
+mod patience;
+mod poll;
+mod transaction;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use buslens_codec::line::{LineSettings, Mode};
+use buslens_codec::pdu::{PduError, Request};
+use buslens_codec::{UnitId, adu};
+
+use crate::outcome::{Counters, Exchange, Failure, NextStep};
+use crate::time::Instant;
+use echo::Echo;
+use inbox::Inbox;
+use link::LinkControl;
+pub use link::{LinkEvent, LinkOrder, LinkState};
+use overdue::Overdue;
+use patience::Patience;
+pub use poll::Poll;
+use poll::Schedule;
+use transaction::{Progress, Surroundings, Transaction};
+
+/// Quiet time after a time-out, within the 100 to 200 ms that the standard gives a broadcast's turnaround
+/// (serial line guide, clause 2.4.1).
+const TURNAROUND: Duration = Duration::from_millis(100);
+/// Chatter on the line holds a request back no longer than this.
+const CHATTER_PATIENCE: Duration = Duration::from_secs(1);
+
+/// What a master needs to know of its line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Settings of the port.
+    pub line: LineSettings,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// How long a device may think, from the end of the request to the start of its reply.
+    pub response_timeout: Duration,
+    /// Pause before another unit is addressed than the last one.
+    pub unit_pause: Duration,
+    /// How often a lost port is tried again without a sign that it is back.
+    pub reopen_period: Duration,
+}
+
+impl Config {
+    /// A response time-out of 500 ms, no pause between units, a lost port tried every second.
+    pub fn new(line: LineSettings, mode: Mode) -> Self {
+        Self {
+            line,
+            mode,
+            response_timeout: Duration::from_millis(500),
+            unit_pause: Duration::ZERO,
+            reopen_period: Duration::from_secs(1),
+        }
+    }
+}
+
+/// One request to be made once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// To whom.
+    pub unit: UnitId,
+    /// What.
+    pub request: Request,
+    /// How often a read may be repeated after a failure that a repetition can mend. Writes are never repeated.
+    pub retries: u8,
+}
+
+impl Job {
+    /// A job without retries.
+    pub fn new(unit: UnitId, request: Request) -> Self {
+        Self { unit, request, retries: 0 }
+    }
+}
+
+/// Names a submitted job in its [`Event::Done`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct JobId(u64);
+
+/// What the master tells.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A job has ended.
+    Done {
+        /// As returned by [`Master::submit`].
+        job: JobId,
+        /// How.
+        exchange: Exchange,
+    },
+    /// One request of the poll has ended.
+    Polled {
+        /// Its place in [`Poll::requests`].
+        index: usize,
+        /// How.
+        exchange: Exchange,
+    },
+    /// The state of the link has changed.
+    Link(LinkState),
+}
+
+/// The master of one line.
+#[derive(Debug)]
+pub struct Master {
+    config: Config,
+    link: LinkControl,
+    jobs: VecDeque<Queued>,
+    next_job: u64,
+    schedule: Option<Schedule>,
+    current: Option<Transaction>,
+    inbox: Inbox,
+    echo: Echo,
+    overdue: Overdue,
+    patience: Patience,
+    /// No request leaves before this.
+    quiet_until: Instant,
+    last_unit: Option<UnitId>,
+    outgoing: Option<Vec<u8>>,
+    events: VecDeque<Event>,
+    counters: Counters,
+}
+
+/// A job that waits for its turn.
+#[derive(Debug)]
+struct Queued {
+    id: JobId,
+    job: Job,
+    since: Instant,
+}
+
+/// Who asked for a transaction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Origin {
+    Job(JobId, Job),
+    Poll(usize),
+}
+
+impl Master {
+    /// A master whose link is closed.
+    pub fn new(config: Config) -> Self {
+        Self {
+            config,
+            link: LinkControl::new(),
+            jobs: VecDeque::new(),
+            next_job: 0,
+            schedule: None,
+            current: None,
+            inbox: Inbox::default(),
+            echo: Echo::Unknown,
+            overdue: Overdue::default(),
+            patience: Patience::new(config.response_timeout),
+            quiet_until: Instant::ZERO,
+            last_unit: None,
+            outgoing: None,
+            events: VecDeque::new(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// State of the link.
+    pub fn link_state(&self) -> LinkState {
+        self.link.state()
+    }
+
+    /// Counts since this master was made.
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    // Wishes.
+
+    /// Opens the link, and keeps it open: a lost port is opened again as soon as it is back.
+    pub fn connect(&mut self, now: Instant) {
+        self.link.connect(self.config.line);
+        self.advance(now);
+    }
+
+    /// Closes the link. Jobs that have not ended fail with [`Failure::LinkLost`]; the poll stays set.
+    pub fn disconnect(&mut self, now: Instant) {
+        self.link.disconnect();
+        self.abandon(now);
+        self.advance(now);
+    }
+
+    /// Queues a job. Jobs go before the poll, in order. Without a link the job fails at once.
+    pub fn submit(&mut self, now: Instant, job: Job) -> JobId {
+        let id = JobId(self.next_job);
+        self.next_job += 1;
+        self.jobs.push_back(Queued { id, job, since: now });
+        if !self.link.is_hopeful() {
+            self.abandon(now);
+        }
+        self.advance(now);
+        id
+    }
+
+    /// Sets what is read periodically, from now on; `None` stops it. A request under way still ends.
+    pub fn set_poll(&mut self, now: Instant, poll: Option<Poll>) {
+        self.schedule = poll.and_then(|poll| Schedule::new(now, poll));
+        self.advance(now);
+    }
+
+    // What happened.
+
+    /// Bytes from the line.
+    pub fn handle_bytes(&mut self, now: Instant, bytes: &[u8]) {
+        self.counters.noise_bytes += self.inbox.push(now, bytes);
+        self.advance(now);
+    }
+
+    /// Time has passed.
+    pub fn handle_timeout(&mut self, now: Instant) {
+        self.advance(now);
+    }
+
+    /// The port did something.
+    pub fn handle_link(&mut self, now: Instant, event: LinkEvent) {
+        if event == LinkEvent::LineError {
+            self.counters.line_errors += 1;
+            if let Some(current) = &mut self.current {
+                current.line_errors += 1;
+            }
+        }
+        let before = self.link.state();
+        self.link.handle(now, event, self.config);
+        match (before, self.link.state()) {
+            (LinkState::Open, LinkState::Open) | (_, LinkState::Opening) => {}
+            (_, LinkState::Open) => self.start_afresh(now),
+            (_, LinkState::Closed | LinkState::Closing | LinkState::Lost) => self.abandon(now),
+        }
+        self.advance(now);
+    }
+
+    // What to do about it.
+
+    /// What the port shall do.
+    pub fn poll_link(&mut self) -> Option<LinkOrder> {
+        self.link.poll_order()
+    }
+
+    /// Bytes to be sent now.
+    pub fn poll_transmit(&mut self) -> Option<Vec<u8>> {
+        self.outgoing.take()
+    }
+
+    /// What has ended or changed.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.link.poll_change().map(Event::Link).or_else(|| self.events.pop_front())
+    }
+
+    /// When [`Master::handle_timeout`] is due.
+    pub fn poll_timeout(&self) -> Option<Instant> {
+        if self.link.state() != LinkState::Open {
+            return self.link.timeout();
+        }
+        match &self.current {
+            Some(current) => Some(current.next_look(self.inbox.last_at())),
+            None => self.next_departure(),
+        }
+    }
+
+    /// Moves on as far as the time and the bytes allow.
+    fn advance(&mut self, now: Instant) {
+        self.link.handle_timeout(now, self.config);
+        if self.link.state() != LinkState::Open {
+            return;
+        }
+        loop {
+            if self.current.is_some() {
+                if !self.look_for_reply(now) {
+                    return;
+                }
+            } else {
+                self.sort_stray_bytes(now);
+                match self.next_departure() {
+                    Some(at) if at <= now => self.depart(now),
+                    _ => return,
+                }
+            }
+        }
+    }
+
+    /// Whether the current transaction ended.
+    fn look_for_reply(&mut self, now: Instant) -> bool {
+        let Some(current) = &mut self.current else { return false };
+        let mut around = Surroundings {
+            inbox: &mut self.inbox,
+            echo: &mut self.echo,
+            overdue: &mut self.overdue,
+            patience: &mut self.patience,
+            counters: &mut self.counters,
+        };
+        match current.look(now, &mut around) {
+            Progress::Waiting => false,
+            Progress::Ended(exchange) => {
+                self.finish(now, exchange);
+                true
+            }
+        }
+    }
+
+    fn finish(&mut self, now: Instant, exchange: Exchange) {
+        let Some(ended) = self.current.take() else { return };
+        self.counters.count(&exchange);
+        self.quiet_until = now + self.config.line.frame_gap();
+        match &exchange.result {
+            Ok(_) | Err(Failure::Exception { .. }) => {
+                self.patience.answered(ended.latency(now));
+                self.overdue.forget_unit(ended.unit);
+            }
+            Err(Failure::Doubtful) => {
+                self.patience.exhausted();
+                self.overdue.forget_unit(ended.unit);
+            }
+            Err(Failure::NoAnswer { .. } | Failure::Unproven) => {
+                self.patience.exhausted();
+                self.overdue.push(ended.unit, ended.request.clone(), ended.on_wire_until);
+                self.quiet_until = (now + TURNAROUND).max(ended.on_wire_until + self.patience.slowest_with_margin());
+            }
+            Err(Failure::BadCheck { .. }) => self.quiet_until = now + TURNAROUND,
+            Err(Failure::LinkLost | Failure::Invalid(_)) => {}
+        }
+        self.report(ended.origin, exchange);
+    }
+
+    /// Tells how a transaction ended, or puts a job back that may be tried again.
+    fn report(&mut self, origin: Origin, exchange: Exchange) {
+        match origin {
+            Origin::Poll(index) => self.events.push_back(Event::Polled { index, exchange }),
+            Origin::Job(id, mut job) => {
+                let again = exchange.result.as_ref().is_err_and(|failure| {
+                    job.retries > 0 && !job.request.is_write() && failure.next_step(false) == NextStep::Retry
+                });
+                if again {
+                    job.retries -= 1;
+                    self.jobs.push_front(Queued { id, job, since: exchange.at });
+                } else {
+                    self.events.push_back(Event::Done { job: id, exchange });
+                }
+            }
+        }
+    }
+
+    /// Bytes that come while nobody is asked: overdue replies, or noise.
+    fn sort_stray_bytes(&mut self, now: Instant) {
+        while let Some(latency) = self.overdue.take_reply(now, &mut self.inbox, self.config.mode) {
+            self.counters.late_replies += 1;
+            self.patience.late(latency);
+        }
+    }
+
+    /// When the next request may leave, if there is one.
+    fn next_departure(&self) -> Option<Instant> {
+        let (due, unit) = match (self.jobs.front(), &self.schedule) {
+            (Some(queued), _) => (queued.since, queued.job.unit),
+            (None, Some(schedule)) => (schedule.due(), schedule.unit()),
+            (None, None) => return None,
+        };
+        let mut quiet = self.quiet_until;
+        if self.last_unit.is_some_and(|last| last != unit) {
+            quiet = quiet + self.config.unit_pause;
+        }
+        if let Some(heard) = self.inbox.last_at() {
+            let chatter = heard + self.config.line.frame_gap();
+            let limit = quiet.max(due) + CHATTER_PATIENCE;
+            quiet = quiet.max(chatter.min(limit));
+        }
+        Some(due.max(quiet))
+    }
+
+    fn depart(&mut self, now: Instant) {
+        let (origin, unit, request) = if let Some(Queued { id, job, .. }) = self.jobs.pop_front() {
+            let (unit, request) = (job.unit, job.request.clone());
+            (Origin::Job(id, job), unit, request)
+        } else if let Some(schedule) = &mut self.schedule {
+            let unit = schedule.unit();
+            let (index, request) = schedule.take(now);
+            (Origin::Poll(index), unit, request)
+        } else {
+            return;
+        };
+        let frame = request
+            .encode()
+            .map_err(Failure::from)
+            .and_then(|pdu| adu::encode(self.config.mode, unit, &pdu).ok_or(Failure::Invalid(PduError::TooLong)));
+        match frame {
+            Ok(frame) => {
+                self.counters.noise_bytes += self.inbox.clear();
+                self.counters.requests += 1;
+                self.overdue.prune(now);
+                self.last_unit = Some(unit);
+                self.outgoing = Some(frame.clone());
+                self.current =
+                    Some(Transaction::new(now, self.config, self.patience.time_out(), origin, unit, request, frame));
+            }
+            Err(failure) => {
+                let nothing = Exchange {
+                    sent: Vec::new(),
+                    received: Vec::new(),
+                    at: now,
+                    round_trip: None,
+                    result: Err(failure),
+                };
+                self.report(origin, nothing);
+            }
+        }
+    }
+
+    /// A new link has no history.
+    fn start_afresh(&mut self, now: Instant) {
+        self.inbox.clear();
+        self.echo = Echo::Unknown;
+        self.overdue.forget();
+        self.patience = Patience::new(self.config.response_timeout);
+        self.quiet_until = now + self.config.line.frame_gap();
+        self.last_unit = None;
+        if let Some(schedule) = &mut self.schedule {
+            schedule.restart(now);
+        }
+    }
+
+    /// Ends everything under way: there is no link.
+    fn abandon(&mut self, now: Instant) {
+        self.outgoing = None;
+        self.counters.noise_bytes += self.inbox.clear();
+        if let Some(current) = self.current.take() {
+            let exchange = current.abandoned(now);
+            if let Origin::Job(id, _) = current.origin {
+                self.events.push_back(Event::Done { job: id, exchange });
+            }
+        }
+        for Queued { id, .. } in std::mem::take(&mut self.jobs) {
+            let exchange = Exchange {
+                sent: Vec::new(),
+                received: Vec::new(),
+                at: now,
+                round_trip: None,
+                result: Err(Failure::LinkLost),
+            };
+            self.events.push_back(Event::Done { job: id, exchange });
+        }
+    }
+}

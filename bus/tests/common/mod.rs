@@ -1,0 +1,142 @@
+//! A master and a simulated line in virtual time.
+
+// Each test file uses a part of it.
+#![allow(dead_code, unreachable_pub)]
+
+use std::time::Duration;
+
+use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_bus::time::Instant;
+use buslens_bus::{Answer, Config, Event, Exchange, Job, LinkEvent, LinkOrder, Master, Poll};
+use buslens_codec::UnitId;
+use buslens_codec::line::{LineSettings, Mode, Parity};
+use buslens_codec::pdu::{Request, Response};
+
+pub const FACTORY: LineSettings = LineSettings::new(9600, Parity::Even);
+pub const BOTH: Request = Request::ReadInputRegisters { address: 2, quantity: 4 };
+
+pub struct Bench {
+    pub master: Master,
+    pub line: Line<Lvdt>,
+    pub now: Instant,
+    pub events: Vec<Event>,
+    /// The port does not open while this is set.
+    pub unplugged: bool,
+}
+
+impl Bench {
+    /// A sensor at unit 1 that rests at -0.328 mm and 25.5 degC, and an open link.
+    pub fn new(config: Config) -> Self {
+        let sensor = Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 });
+        let mut bench = Self {
+            master: Master::new(config),
+            line: Line::new([sensor], 7),
+            now: Instant::from_micros(10_000_000),
+            events: Vec::new(),
+            unplugged: false,
+        };
+        bench.master.connect(bench.now);
+        bench.settle();
+        bench
+    }
+
+    pub fn factory() -> Self {
+        Self::new(Config::new(FACTORY, Mode::Rtu))
+    }
+
+    pub fn rest_at(&mut self, micrometres: i32) {
+        self.sensor().motion = Motion::Rest { micrometres, decidegrees: 255 };
+    }
+
+    pub fn sensor(&mut self) -> &mut Lvdt {
+        self.line.device_mut(0).unwrap()
+    }
+
+    pub fn poll_every(&mut self, period: Duration, requests: impl Into<Vec<Request>>) {
+        let poll = Poll { unit: UnitId(1), requests: requests.into(), period };
+        self.master.set_poll(self.now, Some(poll));
+        self.settle();
+    }
+
+    /// Makes one request and returns how it ended, within ten seconds.
+    pub fn ask(&mut self, unit: u8, request: Request) -> Exchange {
+        let id = self.master.submit(self.now, Job::new(UnitId(unit), request));
+        self.settle();
+        let limit = self.now + Duration::from_secs(10);
+        loop {
+            let done = self.events.iter().position(|event| matches!(event, Event::Done { job, .. } if *job == id));
+            if let Some(Event::Done { exchange, .. }) = done.map(|index| self.events.remove(index)) {
+                return exchange;
+            }
+            assert!(self.step(limit), "the job never ended");
+        }
+    }
+
+    /// Runs for `time` and returns the exchanges of the poll that ended in it.
+    pub fn run(&mut self, time: Duration) -> Vec<Exchange> {
+        let until = self.now + time;
+        while self.step(until) {}
+        self.now = until;
+        self.line.handle_timeout(until);
+        self.master.handle_timeout(until);
+        self.settle();
+        let polled = |event| match event {
+            Event::Polled { exchange, .. } => Some(exchange),
+            _ => None,
+        };
+        self.events.drain(..).filter_map(polled).collect()
+    }
+
+    /// Bytes out of nowhere.
+    pub fn hear(&mut self, bytes: &[u8]) {
+        self.master.handle_bytes(self.now, bytes);
+        self.settle();
+    }
+
+    /// To the next thing that happens, if it happens by `limit`.
+    fn step(&mut self, limit: Instant) -> bool {
+        let next = [self.master.poll_timeout(), self.line.poll_timeout()].into_iter().flatten().min();
+        let Some(next) = next.filter(|&next| next <= limit) else { return false };
+        self.now = next.max(self.now);
+        self.line.handle_timeout(self.now);
+        if let Some(bytes) = self.line.poll_transmit() {
+            self.master.handle_bytes(self.now, &bytes);
+        }
+        self.master.handle_timeout(self.now);
+        self.settle();
+        true
+    }
+
+    pub fn settle(&mut self) {
+        loop {
+            if let Some(order) = self.master.poll_link() {
+                let event = match order {
+                    LinkOrder::Open(_) if self.unplugged => LinkEvent::OpenFailed,
+                    LinkOrder::Open(settings) => {
+                        self.line.handle_settings(self.now, settings);
+                        LinkEvent::Opened
+                    }
+                    LinkOrder::Close => LinkEvent::Closed,
+                };
+                self.master.handle_link(self.now, event);
+            } else if let Some(bytes) = self.master.poll_transmit() {
+                self.line.handle_bytes(self.now, &bytes);
+            } else if let Some(event) = self.master.poll_event() {
+                self.events.push(event);
+            } else {
+                return;
+            }
+        }
+    }
+}
+
+/// Displacement in micrometres of a reply to [`BOTH`].
+pub fn micrometres(exchange: &Exchange) -> Option<i32> {
+    match &exchange.result {
+        Ok(Answer::Reply(Response::ReadInputRegisters { values })) if values.len() == 4 => {
+            let magnitude = i32::from(values[2] & 0x7FFF) * 1000 + i32::from(values[3]);
+            Some(if values[2] & 0x8000 == 0 { magnitude } else { -magnitude })
+        }
+        _ => None,
+    }
+}
