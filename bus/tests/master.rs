@@ -100,7 +100,7 @@ fn a_factory_reset_is_echoed_and_then_the_sensor_is_deaf() {
 fn polling_keeps_its_grid() {
     let mut bench = Bench::factory();
     bench.poll_every(Duration::from_millis(100), [BOTH]);
-    let exchanges = bench.run(Duration::from_secs(60));
+    let exchanges = bench.run(Duration::from_mins(1));
     assert_eq!(exchanges.len(), 600);
     assert!(exchanges.iter().all(|exchange| micrometres(exchange) == Some(-328)));
 }
