@@ -248,13 +248,11 @@ impl Encoding {
 
 /// The mantissa with other decimals, if that loses nothing.
 fn rescale(value: Decimal, decimals: u8) -> Option<i64> {
-    match decimals.checked_sub(value.decimals) {
-        Some(more) => value.mantissa.checked_mul(power_of_ten(more)),
-        None => {
-            let scale = power_of_ten(value.decimals - decimals);
-            (value.mantissa % scale == 0).then_some(value.mantissa / scale)
-        }
+    if let Some(more) = decimals.checked_sub(value.decimals) {
+        return value.mantissa.checked_mul(power_of_ten(more));
     }
+    let scale = power_of_ten(value.decimals - decimals);
+    (value.mantissa % scale == 0).then_some(value.mantissa / scale)
 }
 
 fn join(order: WordOrder, first: u16, second: u16) -> u32 {
