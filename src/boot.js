@@ -1,0 +1,14 @@
+// Starts the program in the window and in the worker that the window starts from this script's own address.
+// The build puts the generated bindings in front of this text and the real name into the address.
+const inWindow = typeof document !== "undefined";
+if (inWindow) globalThis.buslensWorker = import.meta.url;
+try {
+  await start({ module_or_path: new URL("buslens.wasm", import.meta.url) });
+} catch (error) {
+  // In the worker the window hears of it by the worker's error event.
+  if (!inWindow) throw error;
+  document.body.textContent =
+    "Buslens could not start. Reload the page; if that does not help, use a current browser. " +
+    "Buslens 无法启动。请重新加载页面；如果仍然无法启动，请使用新版浏览器。" + ` (${error})`;
+  console.error(error);
+}

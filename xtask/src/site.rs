@@ -1,0 +1,264 @@
+//! Builds the deployable site: compiles, binds, names files by their content, compresses, weighs.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs, process};
+
+use anyhow::{Context, Result, bail, ensure};
+use brotli::enc::BrotliEncoderParams;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use sha2::{Digest, Sha256};
+use wasm_bindgen_cli_support::Bindgen;
+
+use crate::toolchain::{TARGET, Wasm};
+use crate::{headers, machine, minify};
+
+/// The most that a first visit may transfer, in bytes.
+const BUDGET: usize = 150_000;
+
+/// How to build.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Options {
+    /// Compile the standard library from Debian's packages even if the target is installed.
+    pub(crate) debian_std: bool,
+    /// Keep function names. Such a site is for debugging and has no budget.
+    pub(crate) symbols: bool,
+}
+
+/// Builds the site into `folder`, which is replaced as a whole. Fails if the site is heavier than its budget.
+pub(crate) fn build(options: Options, folder: &Path) -> Result<()> {
+    let compiled = compile(Wasm::find(options.debian_std)?)?;
+    println!("site: binding and compressing");
+    let bound = bind(&compiled, options.symbols)?;
+    let files: Vec<_> = assemble(bound)?.into_iter().map(Packed::new).collect::<Result<_>>()?;
+    write(&files, folder)?;
+    print!("{}", table(&files));
+    let transfer: usize = files.iter().map(|file| file.brotli.len()).sum();
+    if transfer > BUDGET && !options.symbols {
+        bail!("the first load is {transfer} bytes, more than the {BUDGET} that are allowed");
+    }
+    Ok(())
+}
+
+fn compile(toolchain: Wasm) -> Result<PathBuf> {
+    println!("site: compiling");
+    let mut cargo = toolchain.cargo("build");
+    cargo.args(["--package", "buslens", "--bin", "buslens", "--profile", "site"]);
+    // Panic messages name source files. Without this they would name this machine's folders.
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", short_paths().join("\u{1f}"));
+    machine::run(&mut cargo)?;
+    Ok(machine::root().join("target/wasm").join(TARGET).join("site/buslens.wasm"))
+}
+
+/// Compiler flags that shorten the paths of sources. Where several fit, the compiler takes the last.
+fn short_paths() -> Vec<String> {
+    let mut flags = vec![format!("--remap-path-prefix={}/=", machine::root().display())];
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
+    let registries = home.and_then(|home| fs::read_dir(home.join("registry/src")).ok());
+    for registry in registries.into_iter().flatten().flatten() {
+        flags.push(format!("--remap-path-prefix={}/=", registry.path().display()));
+    }
+    flags
+}
+
+/// What wasm-bindgen makes of the compiled program.
+struct Bound {
+    wasm: Vec<u8>,
+    glue: String,
+}
+
+fn bind(compiled: &Path, symbols: bool) -> Result<Bound> {
+    let mut output = Bindgen::new()
+        .input_path(compiled)
+        .web(true)?
+        .typescript(false)
+        .omit_default_module_path(true)
+        .remove_name_section(!symbols)
+        .remove_producers_section(true)
+        .generate_output()
+        .context("wasm-bindgen")?;
+    ensure!(
+        output.local_modules().is_empty() && output.snippets().values().all(Vec::is_empty),
+        "a library brings JavaScript of its own, which this build cannot put into the one script"
+    );
+    let glue = output.js().to_owned();
+    let wasm = output.wasm_mut();
+    // wasm-bindgen has read it, and a browser does not need it.
+    wasm.customs.remove_raw("target_features");
+    Ok(Bound { wasm: wasm.emit_wasm(), glue })
+}
+
+/// A file of the site.
+struct File {
+    name: String,
+    bytes: Vec<u8>,
+}
+
+impl File {
+    /// A file whose name changes with its content.
+    fn named(extension: &str, bytes: Vec<u8>) -> Self {
+        let mut name = "buslens-".to_owned();
+        for byte in &Sha256::digest(&bytes)[..5] {
+            let _ = write!(name, "{byte:02x}");
+        }
+        Self { name: format!("{name}.{extension}"), bytes }
+    }
+}
+
+/// All files that a visitor loads; the page first. Each file's name is put into the files that refer to it.
+fn assemble(bound: Bound) -> Result<Vec<File>> {
+    let root = machine::root();
+    let source = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
+    let wasm = File::named("wasm", bound.wasm);
+    let script = replace(&script(&bound.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
+    let script = File::named("js", script.into_bytes());
+    let style = File::named("css", minify::css(&styles(&root.join("style"))?).into_bytes());
+    let icon = File::named("svg", source("icon.svg")?.into_bytes());
+    let mut page = source("index.html")?;
+    for (plain, file) in
+        [("\"buslens.wasm\"", &wasm), ("\"buslens.js\"", &script), ("\"buslens.css\"", &style), ("\"icon.svg\"", &icon)]
+    {
+        page = replace(&page, plain, &file.name)?;
+    }
+    let page = File { name: "index.html".to_owned(), bytes: page.into_bytes() };
+    Ok(vec![page, script, wasm, style, icon])
+}
+
+/// The one script of window and worker: the generated bindings, which nobody imports any more, and what starts them.
+fn script(glue: &str, boot: &str) -> Result<String> {
+    let export = "export { initSync, __wbg_init as default };";
+    ensure!(glue.matches(export).count() == 1, "wasm-bindgen's output has another form than this build knows");
+    Ok(glue.replace(export, "const start = __wbg_init;") + boot)
+}
+
+/// Replaces the only occurrence of a quoted name.
+fn replace(text: &str, quoted: &str, name: &str) -> Result<String> {
+    ensure!(
+        text.matches(quoted).count() == 1,
+        "{quoted} should stand once in the page or the script that refers to it"
+    );
+    Ok(text.replace(quoted, &format!("\"{name}\"")))
+}
+
+/// All style sheets: the design's tokens first, the others in the order of their names.
+fn styles(folder: &Path) -> Result<String> {
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "css"));
+    paths.sort_by_key(|path| (path.file_stem().is_some_and(|stem| stem != "tokens"), path.clone()));
+    let mut all = String::new();
+    for path in paths {
+        all += &fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        all.push('\n');
+    }
+    Ok(all)
+}
+
+/// A file with its compressed forms.
+struct Packed {
+    file: File,
+    gzip: Vec<u8>,
+    brotli: Vec<u8>,
+}
+
+impl Packed {
+    fn new(file: File) -> Result<Self> {
+        let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+        gzip.write_all(&file.bytes)?;
+        let mut brotli = Vec::new();
+        let best = BrotliEncoderParams { quality: 11, lgwin: 22, size_hint: file.bytes.len(), ..Default::default() };
+        brotli::BrotliCompress(&mut file.bytes.as_slice(), &mut brotli, &best)?;
+        Ok(Self { gzip: gzip.finish()?, brotli, file })
+    }
+}
+
+/// Writes beside `folder` first, so that nobody is served half a site.
+fn write(files: &[Packed], folder: &Path) -> Result<()> {
+    let fresh = machine::root().join(format!("target/site-{}", process::id()));
+    fs::create_dir_all(&fresh)?;
+    let put = |name: &str, bytes: &[u8]| {
+        let path = fresh.join(name);
+        fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))
+    };
+    for Packed { file, gzip, brotli } in files {
+        put(&file.name, &file.bytes)?;
+        put(&format!("{}.gz", file.name), gzip)?;
+        put(&format!("{}.br", file.name), brotli)?;
+    }
+    let paths: Vec<_> = files.iter().map(|packed| format!("/{}", packed.file.name)).collect();
+    put("_headers", headers::file(paths.iter().map(String::as_str)).as_bytes())?;
+    if folder.exists() {
+        fs::remove_dir_all(folder).with_context(|| format!("cannot replace {}", folder.display()))?;
+    }
+    fs::rename(&fresh, folder).with_context(|| format!("cannot write {}", folder.display()))
+}
+
+fn table(files: &[Packed]) -> String {
+    let mut text = format!("{:<24}{:>10}{:>10}{:>10}\n", "file (bytes)", "raw", "gzip", "brotli");
+    let mut sum = [0; 3];
+    let mut row = |name: &str, sizes: [usize; 3]| {
+        let _ = writeln!(text, "{name:<24}{:>10}{:>10}{:>10}", sizes[0], sizes[1], sizes[2]);
+    };
+    for Packed { file, gzip, brotli } in files {
+        let sizes = [file.bytes.len(), gzip.len(), brotli.len()];
+        row(&file.name, sizes);
+        for (sum, size) in sum.iter_mut().zip(sizes) {
+            *sum += size;
+        }
+    }
+    row("first load", sum);
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bindgen_is_the_one_that_the_app_is_compiled_with() {
+        let lock = fs::read_to_string(machine::root().join("Cargo.lock")).unwrap();
+        let version = |package: &str| {
+            let name = format!("name = \"{package}\"");
+            let mut lines = lock.lines().skip_while(|line| *line != name).skip(1);
+            lines.next().and_then(|line| line.strip_prefix("version = ")).map(str::to_owned).unwrap()
+        };
+        assert_eq!(version("wasm-bindgen"), version("wasm-bindgen-cli-support"));
+    }
+
+    #[test]
+    fn name_changes_with_the_content() {
+        let name = |text: &str| File::named("js", text.into()).name;
+        assert_eq!(name("a"), name("a"));
+        assert_ne!(name("a"), name("b"));
+        assert!(name("a").starts_with("buslens-") && name("a").ends_with(".js"));
+    }
+
+    #[test]
+    fn script_binds_boot_to_the_glue() {
+        let script = script("let x;\nexport { initSync, __wbg_init as default };\n", "await start();").unwrap();
+        assert_eq!(script, "let x;\nconst start = __wbg_init;\nawait start();");
+        assert!(super::script("let x;", "").is_err());
+    }
+
+    #[test]
+    fn a_name_that_is_missing_or_double_is_refused() {
+        assert_eq!(replace("src=\"a\"", "\"a\"", "b").unwrap(), "src=\"b\"");
+        assert!(replace("", "\"a\"", "b").is_err());
+        assert!(replace("\"a\"\"a\"", "\"a\"", "b").is_err());
+    }
+
+    #[test]
+    fn packed_forms_unpack_to_the_same() {
+        let bytes = b"every byte counts, every byte counts".to_vec();
+        let packed = Packed::new(File::named("css", bytes.clone())).unwrap();
+        let mut unpacked = Vec::new();
+        brotli::BrotliDecompress(&mut packed.brotli.as_slice(), &mut unpacked).unwrap();
+        assert_eq!(unpacked, bytes);
+        let mut unpacked = Vec::new();
+        std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(packed.gzip.as_slice()), &mut unpacked).unwrap();
+        assert_eq!(unpacked, bytes);
+    }
+}
