@@ -174,31 +174,31 @@ impl Tally {
     fn report(&mut self, name: &str, report: &Report) {
         self.passed += report.passed;
         for test in &report.failed {
-            self.fail(format!("{name}: {test}: {}", report.reason(test)));
+            self.fail(&format!("{name}: {test}: {}", report.reason(test)));
         }
         for _ in 0..report.unfinished() {
-            self.fail(format!("{name}: a test program ended early"));
+            self.fail(&format!("{name}: a test program ended early"));
         }
         // Browser tests have a step of their own.
         for (test, reason) in report.ignored.iter().filter(|(_, reason)| !reason.contains(BROWSER_TEST)) {
-            self.skip(format!("{name}: {test}: {reason}"));
+            self.skip(&format!("{name}: {test}: {reason}"));
         }
     }
 
     fn error(&mut self, name: &str, error: &Error) {
         if error.is::<Missing>() {
-            self.skip(format!("{name}: {error:#}"));
+            self.skip(&format!("{name}: {error:#}"));
         } else {
-            self.fail(format!("{name}: {error:#}"));
+            self.fail(&format!("{name}: {error:#}"));
         }
     }
 
-    fn fail(&mut self, what: String) {
+    fn fail(&mut self, what: &str) {
         self.failed += 1;
         self.notes.push(format!("failed: {what}"));
     }
 
-    fn skip(&mut self, what: String) {
+    fn skip(&mut self, what: &str) {
         self.skipped += 1;
         self.notes.push(format!("skipped: {what}"));
     }

@@ -16,11 +16,12 @@ enum Scope {
 }
 
 /// The page and its worker run what comes from here and nothing else; the page can be in no frame.
+/// `require-trusted-types-for` is missing because Leptos sets the fixed parts of a view through `innerHTML`.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
      img-src 'self' data:; connect-src 'self'; worker-src 'self'; font-src 'self'; manifest-src 'self'; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-const PERMISSIONS_POLICY: &str = "serial=(self), accelerometer=(), autoplay=(), bluetooth=(), browsing-topics=(), \
+const PERMISSIONS_POLICY: &str = "serial=(self), accelerometer=(), autoplay=(), browsing-topics=(), \
      camera=(), display-capture=(), encrypted-media=(), geolocation=(), gyroscope=(), hid=(), \
      identity-credentials-get=(), idle-detection=(), local-fonts=(), magnetometer=(), microphone=(), midi=(), \
      payment=(), publickey-credentials-get=(), usb=(), xr-spatial-tracking=()";
