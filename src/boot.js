@@ -5,10 +5,10 @@ if (inWindow) globalThis.buslensWorker = import.meta.url;
 try {
   await start({ module_or_path: new URL("buslens.wasm", import.meta.url) });
 } catch (error) {
-  // In the worker the window hears of it by the worker's error event.
-  if (!inWindow) throw error;
+  // A worker's error reaches the window as an event. A program that came far enough has drawn a page of its own.
+  if (!inWindow || document.querySelector("body > :not(noscript)")) throw error;
   document.body.textContent =
     "Buslens could not start. Reload the page; if that does not help, use a current browser. " +
-    "Buslens 无法启动。请重新加载页面；如果仍然无法启动，请使用新版浏览器。" + ` (${error})`;
+    `Buslens 无法启动。请重新加载页面；如果仍然无法启动，请使用新版浏览器。 (${error})`;
   console.error(error);
 }
