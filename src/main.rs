@@ -1,16 +1,33 @@
-//! App.
-use leptos::prelude::*;
-use wasm_bindgen::prelude::*;
-#[wasm_bindgen]
-extern "C" {
-    #[wasm_bindgen(js_namespace = console)]
-    fn log(s: &str);
-    /// SerialPort
-    type SerialPort;
-    #[wasm_bindgen(method, getter)]
-    fn readable(this: &SerialPort) -> Option<js_sys::Object>;
-}
+//! Buslens: reads, configures and debugs RS485 sensors from a web page.
+//!
+//! One program, two roles: in the window it draws the page, in a dedicated worker it runs the engine.
+
+mod adapter;
+mod anatomy;
+mod app;
+mod components;
+mod crash;
+mod device;
+mod engine;
+mod format;
+mod history;
+mod link;
+mod message;
+mod pages;
+mod ports;
+mod route;
+mod serial;
+mod settings;
+mod storage;
+mod text;
+mod theme;
+mod trend;
+
 fn main() {
-    log("x");
-    leptos::mount::mount_to_body(|| view! { <p>"hi"</p> });
+    if web_sys::window().is_none() {
+        engine::run();
+    } else {
+        crash::watch_panics();
+        app::start();
+    }
 }

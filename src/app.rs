@@ -1,0 +1,304 @@
+//! Wires the window together: the state that outlives a page, the engine's messages, the shell around the pages.
+
+use std::time::Duration;
+
+use leptos::prelude::*;
+
+use crate::components::shell::{rail, top_bar};
+use crate::history::History;
+use crate::link;
+use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
+use crate::pages::{decoder_page, live_page};
+use crate::route::{self, Route};
+use crate::serial::PickFault;
+use crate::settings::Settings;
+use crate::storage;
+use crate::text::Language;
+use crate::theme::{self, Theme};
+
+/// Time between two ticks of the page's clock.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Puts the page into the document.
+pub(crate) fn start() {
+    mount_to_body(root);
+}
+
+/// What every part of the page may look at. Signals only: free of JS handles.
+pub(crate) struct App {
+    /// The language of all texts.
+    pub(crate) language: RwSignal<Language>,
+    /// Light or dark.
+    pub(crate) theme: RwSignal<Theme>,
+    /// The page shown.
+    pub(crate) route: RwSignal<Route>,
+    /// The granted ports.
+    pub(crate) ports: RwSignal<Vec<PortId>>,
+    /// What the engine said last.
+    pub(crate) status: RwSignal<Status>,
+    /// What the engine was last asked to connect.
+    pub(crate) connection: RwSignal<Option<Connection>>,
+    /// Why the picker brought no port.
+    pub(crate) pick_fault: RwSignal<Option<PickFault>>,
+    /// The fields of the connection card.
+    pub(crate) settings: Settings,
+    /// What has been read; [`Self::history_turn`] tells of changes.
+    pub(crate) history: StoredValue<History>,
+    /// Counts the changes of the history.
+    pub(crate) history_turn: RwSignal<u32>,
+    /// Ticks ten times a second while connected.
+    pub(crate) clock_turn: RwSignal<u32>,
+    /// The engine's clock against the window's, in seconds; known from the first sample on.
+    pub(crate) clock_lead_s: StoredValue<Option<f64>>,
+    /// The link's state.
+    pub(crate) link: Memo<Link>,
+    /// The device's state.
+    pub(crate) health: Memo<Health>,
+    /// Link and device in one word.
+    pub(crate) phase: Memo<Phase>,
+}
+
+/// Link and device in one word: what the top bar says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Not connected.
+    Closed,
+    /// The port is being opened.
+    Opening,
+    /// Open, nothing read yet.
+    Waiting,
+    /// Answers come.
+    Reading,
+    /// Answers fail to come.
+    Failing,
+    /// The adapter has vanished.
+    Lost,
+    /// The port is being closed.
+    Closing,
+    /// The port could not be opened.
+    Failed,
+}
+
+impl Phase {
+    /// The phase of a link and the device behind it.
+    pub(crate) fn of(link: &Link, health: &Health) -> Self {
+        match link {
+            Link::Closed => Self::Closed,
+            Link::Opening => Self::Opening,
+            Link::Lost => Self::Lost,
+            Link::Closing => Self::Closing,
+            Link::Failed(_) => Self::Failed,
+            Link::Open => match health {
+                Health::Waiting => Self::Waiting,
+                Health::Reading => Self::Reading,
+                Health::Failing(_) => Self::Failing,
+            },
+        }
+    }
+
+    /// Its stable name, for tests and styles.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Closed => "closed",
+            Self::Opening => "opening",
+            Self::Waiting => "waiting",
+            Self::Reading => "reading",
+            Self::Failing => "failing",
+            Self::Lost => "lost",
+            Self::Closing => "closing",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// Its name for the user.
+    pub(crate) fn title(self, language: Language) -> &'static str {
+        match self {
+            Self::Closed => language.state_closed(),
+            Self::Opening => language.state_opening(),
+            Self::Waiting => language.state_waiting(),
+            Self::Reading => language.state_reading(),
+            Self::Failing => language.state_failing(),
+            Self::Lost => language.state_lost(),
+            Self::Closing => language.state_closing(),
+            Self::Failed => language.state_failed(),
+        }
+    }
+
+    /// Whether a port is held, wanted or being let go.
+    pub(crate) fn is_connected(self) -> bool {
+        !matches!(self, Self::Closed | Self::Failed)
+    }
+}
+
+impl App {
+    fn new() -> Self {
+        let status = RwSignal::new(Status::default());
+        let link = Memo::new(move |_| status.with(|status| status.link.clone()));
+        let health = Memo::new(move |_| status.with(|status| status.health.clone()));
+        Self {
+            language: follow_language(),
+            theme: theme::follow(),
+            route: route::follow(),
+            ports: RwSignal::default(),
+            status,
+            connection: RwSignal::new(None),
+            pick_fault: RwSignal::new(None),
+            settings: Settings::remembered(),
+            history: StoredValue::new(History::default()),
+            history_turn: RwSignal::new(0),
+            clock_turn: RwSignal::new(0),
+            clock_lead_s: StoredValue::new(None),
+            link,
+            health,
+            phase: Memo::new(move |_| Phase::of(&link.get(), &health.get())),
+        }
+    }
+
+    /// A text that follows the language.
+    pub(crate) fn text(
+        &'static self,
+        pick: fn(Language) -> &'static str,
+    ) -> impl Fn() -> &'static str + Copy + Send + Sync {
+        move || pick(self.language.get())
+    }
+
+    /// Asks the engine to connect and starts a new history.
+    pub(crate) fn connect(&self, connection: Connection) {
+        self.forget_readings();
+        self.pick_fault.set(None);
+        self.status.set(Status { link: Link::Opening, ..Status::default() });
+        link::send(&ToEngine::Connect(connection.clone()));
+        self.connection.set(Some(connection));
+    }
+
+    /// Starts the statistics anew.
+    pub(crate) fn reset_statistics(&self) {
+        self.history.update_value(History::reset_statistics);
+        self.history_turn.update(|turn| *turn = turn.wrapping_add(1));
+    }
+
+    /// Seconds on the engine's clock, as well as the window knows.
+    pub(crate) fn engine_seconds(&self) -> Option<f64> {
+        self.clock_lead_s.get_value().map(|lead| lead + window_seconds())
+    }
+
+    fn hear(&self, message: ToWindow) {
+        match message {
+            ToWindow::Ports(ports) => self.ports.set(ports),
+            ToWindow::Status(status) => {
+                if let Some(newest) = status.samples.last() {
+                    // A message only ever takes longer than the fastest one, so the largest lead is the truest.
+                    let lead = newest.at_s - window_seconds();
+                    self.clock_lead_s.update_value(|known| *known = Some(known.map_or(lead, |known| known.max(lead))));
+                    self.history.update_value(|history| history.take(&status.samples));
+                    self.history_turn.update(|turn| *turn = turn.wrapping_add(1));
+                }
+                self.status.set(status);
+            }
+            // The link has shown the crash page already.
+            ToWindow::Panicked(_) => {}
+        }
+    }
+
+    fn forget_readings(&self) {
+        self.history.set_value(History::default());
+        self.clock_lead_s.set_value(None);
+        self.history_turn.update(|turn| *turn = turn.wrapping_add(1));
+    }
+}
+
+fn root() -> impl IntoView {
+    // One for the life of the page, and cheap for every closure to hold.
+    let app: &'static App = Box::leak(Box::new(App::new()));
+    tick_while_connected(app);
+    link::start(move |message| app.hear(message));
+    let leaving = window_event_listener(leptos::ev::pagehide, |_| link::end());
+    // A page that comes back from the browser's memory has lost its engine.
+    let back = window_event_listener(leptos::ev::pageshow, |event| {
+        if event.persisted() {
+            let _ = window().location().reload();
+        }
+    });
+    on_cleanup(move || {
+        leaving.remove();
+        back.remove();
+    });
+    let page = Memo::new(move |_| app.route.with(|route| matches!(route, Route::Live)));
+    view! {
+        <a class="skip" href="#content" on:click=|event| {
+            event.prevent_default();
+            focus_content();
+        }>{app.text(Language::skip_to_content)}</a>
+        <div class="app">
+            {rail(app)}
+            {top_bar(app)}
+            <main id="content" class="content" tabindex="-1">
+                {move || if page.get() { live_page(app) } else { decoder_page(app) }}
+            </main>
+        </div>
+    }
+}
+
+/// Drives what changes with time alone: ages and the moving strip.
+fn tick_while_connected(app: &'static App) {
+    let connected = Memo::new(move |_| app.phase.get().is_connected());
+    Effect::new(move |_| {
+        if connected.get() {
+            let tick = move || app.clock_turn.update(|turn| *turn = turn.wrapping_add(1));
+            if let Ok(timer) = set_interval_with_handle(tick, TICK) {
+                on_cleanup(move || timer.clear());
+            }
+        }
+    });
+}
+
+/// The address's `#` belongs to the pages, so the skip link moves the focus by hand.
+fn focus_content() {
+    use wasm_bindgen::JsCast;
+    if let Some(content) = document().get_element_by_id("content").and_then(|found| found.dyn_into().ok()) {
+        let content: web_sys::HtmlElement = content;
+        let _ = content.focus();
+    }
+}
+
+/// The language as a signal that `<html lang>` and the title follow and that is remembered.
+fn follow_language() -> RwSignal<Language> {
+    let remembered = storage::load("language").and_then(|tag| Language::from_tag(&tag));
+    let language = RwSignal::new(remembered.unwrap_or_else(browser_language));
+    Effect::new(move |first: Option<()>| {
+        let tag = language.get().tag();
+        if let Some(root) = document().document_element() {
+            let _ = root.set_attribute("lang", tag);
+        }
+        // Only a choice is remembered, so that a change of the browser's language still counts until then.
+        if first.is_some() {
+            storage::save("language", tag);
+        }
+    });
+    language
+}
+
+/// The first of the browser's languages that is ours, else English.
+fn browser_language() -> Language {
+    let tags = window().navigator().languages();
+    tags.iter().find_map(|tag| Language::from_tag(&tag.as_string()?)).unwrap_or(Language::En)
+}
+
+fn window_seconds() -> f64 {
+    window().performance().map_or(0.0, |performance| performance.now() / 1000.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::Trouble;
+
+    #[test]
+    fn the_device_counts_only_on_an_open_port() {
+        let failing = Health::Failing(Trouble::Silence);
+        assert_eq!(Phase::of(&Link::Lost, &failing), Phase::Lost);
+        assert_eq!(Phase::of(&Link::Open, &failing), Phase::Failing);
+        assert_eq!(Phase::of(&Link::Open, &Health::Waiting), Phase::Waiting);
+        assert!(!Phase::of(&Link::Closed, &Health::Reading).is_connected());
+    }
+}

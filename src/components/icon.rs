@@ -1,0 +1,56 @@
+//! One family of line icons: 18 px, stroke 1.6, the text's colour.
+
+use leptos::prelude::*;
+
+/// An icon's shape.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Icon {
+    /// A curve: live readings.
+    Live,
+    /// Angle brackets: taking frames apart.
+    Decoder,
+    /// Half-filled disc: theme as the system.
+    ThemeAuto,
+    /// Sun.
+    ThemeLight,
+    /// Moon.
+    ThemeDark,
+    /// A triangle with a mark: fault.
+    Fault,
+    /// A ring with an i: information.
+    Info,
+    /// Turn back: reset.
+    Reset,
+    /// A plug: port.
+    Plug,
+    /// An arrow to the right: go there.
+    Go,
+}
+
+impl Icon {
+    fn path(self) -> &'static str {
+        match self {
+            Self::Live => "M2 10h3l2-6 4 11 2-5h3",
+            Self::Decoder => "M6 4 2 9l4 5M12 4l4 5-4 5",
+            Self::ThemeAuto => "M9 2.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 1 0 0-13zM9 2.5v13M9 6l5.7 0M9 9h6.5M9 12h5.7",
+            Self::ThemeLight => {
+                "M9 6a3 3 0 1 0 0 6 3 3 0 1 0 0-6zM9 1.5v1.7M9 14.8v1.7M1.5 9h1.7M14.8 9h1.7M3.7 3.7l1.2 1.2M13.1 13.1l1.2 1.2M3.7 14.3l1.2-1.2M13.1 4.9l1.2-1.2"
+            }
+            Self::ThemeDark => "M15 10.8A6.5 6.5 0 0 1 7.2 3a6.5 6.5 0 1 0 7.8 7.8z",
+            Self::Fault => "M9 2.5 16.5 15.5h-15zM9 7.5v3.6M9 13.2v.1",
+            Self::Info => "M9 2.2a6.8 6.8 0 1 0 0 13.6 6.8 6.8 0 1 0 0-13.6zM9 8.2v4.3M9 5.5v.1",
+            Self::Reset => "M3.5 3.5v4h4M3.9 7.5A6 6 0 1 1 3.2 11",
+            Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",
+            Self::Go => "M3 9h11M10 5l4 4-4 4",
+        }
+    }
+}
+
+/// Draws an icon. It says nothing to a screen reader: its button or heading does.
+pub(crate) fn icon(icon: Icon) -> impl IntoView {
+    view! {
+        <svg class="icon" viewBox="0 0 18 18" aria-hidden="true">
+            <path d=icon.path() />
+        </svg>
+    }
+}

@@ -1,0 +1,6 @@
+//! Parts of the page that several places use.
+
+pub(crate) mod alert;
+pub(crate) mod bytes;
+pub(crate) mod icon;
+pub(crate) mod shell;

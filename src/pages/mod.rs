@@ -1,0 +1,7 @@
+//! The pages, one module each.
+
+mod decoder;
+mod live;
+
+pub(crate) use decoder::decoder_page;
+pub(crate) use live::live_page;

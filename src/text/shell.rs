@@ -1,0 +1,39 @@
+//! The frame around the pages: navigation, top bar, switches, and the page after a crash.
+
+use super::texts;
+
+texts! {
+    brand => "Buslens" | "Buslens";
+    live => "Live" | "实时";
+    decoder => "Decoder" | "解码";
+    pages => "Pages" | "页面";
+    switch_language => "中文" | "English";
+    switch_language_label => "Switch to Chinese" | "切换到英文";
+    theme_auto => "Theme: as the system" | "主题：跟随系统";
+    theme_light => "Theme: light" | "主题：浅色";
+    theme_dark => "Theme: dark" | "主题：深色";
+    skip_to_content => "Skip to content" | "跳到正文";
+
+    no_port => "No port" | "未选串口";
+    simulator => "Simulated sensor" | "模拟传感器";
+    serial_port => "Serial port" | "串口";
+    unit_id(unit: u8) => "unit {unit}" | "地址 {unit}";
+    round_trip => "round trip" | "往返";
+    state_closed => "Not connected" | "未连接";
+    state_opening => "Opening port" | "正在打开串口";
+    state_waiting => "Waiting for an answer" | "等待应答";
+    state_reading => "Reading" | "正在读取";
+    state_failing => "No good answer" | "应答异常";
+    state_lost => "Adapter unplugged" | "适配器已拔出";
+    state_closing => "Closing port" | "正在关闭串口";
+    state_failed => "Port did not open" | "串口打不开";
+    disconnect => "Disconnect" | "断开";
+
+    crash_title => "Buslens has stopped" | "Buslens 已停止运行";
+    crash_what => "An internal fault stopped the page. The port has been closed and the bus is quiet. Your settings and texts are kept; load the page again to go on." | "程序内部出错，页面已停止。串口已关闭，总线上不再有通信。您的设置和输入的内容都已保留，重新加载页面即可继续。";
+    crash_report => "If it happens again, please send us these details." | "如果再次出现，请把下面的详细信息发给我们。";
+    copy_details => "Copy details" | "复制详细信息";
+    copied => "Copied" | "已复制";
+    reload => "Load the page again" | "重新加载页面";
+    crash_details => "Details" | "详细信息";
+}
