@@ -1,0 +1,152 @@
+//! A Modbus server that this project did not write, at the far end of the wire: tokio-modbus' RTU server on a pty of its
+//! own, with the line's pace in between.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::future::{Ready, ready};
+use std::io::{Read, Write};
+use std::os::fd::AsFd;
+use std::os::unix::net::UnixStream;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use buslens_bus::time::Instant;
+use buslens_codec::line::{LineSettings, Parity};
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use tokio_modbus::prelude::{ExceptionCode, Request, Response, SlaveRequest};
+use tokio_modbus::server::{Service, rtu::Server};
+use tokio_serial::SerialStream;
+
+use super::pty::Pty;
+use super::wire::{FarEnd, Wire};
+
+/// What the server serves at one unit id.
+#[derive(Clone, Debug, Default)]
+pub struct Registers {
+    /// Its unit id.
+    pub unit: u8,
+    /// Input registers by address.
+    pub input: BTreeMap<u16, u16>,
+    /// Holding registers by address.
+    pub holding: BTreeMap<u16, u16>,
+}
+
+impl Service for Registers {
+    type Request = SlaveRequest<'static>;
+    type Response = Option<Response>;
+    type Exception = ExceptionCode;
+    type Future = Ready<Result<Option<Response>, ExceptionCode>>;
+
+    fn call(&self, request: Self::Request) -> Self::Future {
+        if request.slave != self.unit {
+            return ready(Ok(None));
+        }
+        let read = |table: &BTreeMap<u16, u16>, address: u16, quantity: u16| {
+            let registers = (0..quantity).map(|offset| table.get(&address.checked_add(offset)?).copied());
+            registers.collect::<Option<Vec<u16>>>().ok_or(ExceptionCode::IllegalDataAddress)
+        };
+        ready(match request.request {
+            Request::ReadInputRegisters(address, quantity) => {
+                read(&self.input, address, quantity).map(|values| Some(Response::ReadInputRegisters(values)))
+            }
+            Request::ReadHoldingRegisters(address, quantity) => {
+                read(&self.holding, address, quantity).map(|values| Some(Response::ReadHoldingRegisters(values)))
+            }
+            _ => Err(ExceptionCode::IllegalFunction),
+        })
+    }
+}
+
+/// Carries bytes to and from the server, each character in its time. The server's line is 9600 8N1.
+pub struct Relay {
+    server: Pty,
+    from_server: Arc<Mutex<Vec<u8>>>,
+    host: LineSettings,
+    to_server: VecDeque<(Instant, u8)>,
+    to_host: VecDeque<(Instant, u8)>,
+    due: Vec<u8>,
+}
+
+/// The settings at which the relay understands the browser.
+const LINE: LineSettings = LineSettings::new(9600, Parity::None);
+
+impl Relay {
+    /// A server with these registers, and the wire to it. Must be called within a tokio runtime, which the server runs on.
+    pub fn serve(registers: Registers) -> Wire<Self> {
+        let server = Pty::open();
+        let serial = SerialStream::open(&tokio_serial::new(server.device().to_string_lossy(), LINE.baud));
+        tokio::spawn(Server::new(serial.expect("a pty opens as a serial port")).serve_forever(registers));
+        let from_server = Arc::new(Mutex::new(Vec::new()));
+        let reader = server.master.try_clone().expect("a file");
+        let wire = Wire::new(Self {
+            server,
+            from_server: Arc::clone(&from_server),
+            host: LINE,
+            to_server: VecDeque::new(),
+            to_host: VecDeque::new(),
+            due: Vec::new(),
+        });
+        let waker = wire.waker();
+        thread::spawn(move || listen(&reader, &from_server, &waker));
+        wire
+    }
+}
+
+/// Hands on what the server says until the wire is gone.
+fn listen(mut server: &std::fs::File, said: &Mutex<Vec<u8>>, waker: &UnixStream) {
+    let mut buffer = [0; 512];
+    loop {
+        let mut ready = [PollFd::new(server.as_fd(), PollFlags::POLLIN)];
+        if poll(&mut ready, PollTimeout::NONE).is_err() {
+            return;
+        }
+        let Ok(count @ 1..) = server.read(&mut buffer) else { return };
+        said.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&buffer[..count]);
+        if let Err(error) = (&*waker).write(&[0])
+            && error.kind() != std::io::ErrorKind::WouldBlock
+        {
+            return;
+        }
+    }
+}
+
+impl FarEnd for Relay {
+    fn handle_settings(&mut self, _: Instant, settings: LineSettings) {
+        self.host = settings;
+    }
+
+    fn handle_bytes(&mut self, now: Instant, bytes: &[u8]) {
+        if self.host == LINE {
+            pace(&mut self.to_server, now, bytes);
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        let said = std::mem::take(&mut *self.from_server.lock().unwrap_or_else(PoisonError::into_inner));
+        pace(&mut self.to_host, now, &said);
+        self.due.extend(take_due(&mut self.to_host, now));
+        // The server lives as long as the test's runtime.
+        let _ = self.server.master.write_all(&take_due(&mut self.to_server, now));
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        [self.to_server.front(), self.to_host.front()].into_iter().flatten().map(|(at, _)| *at).min()
+    }
+
+    fn poll_transmit(&mut self) -> Option<Vec<u8>> {
+        if self.due.is_empty() { None } else { Some(std::mem::take(&mut self.due)) }
+    }
+}
+
+/// Queues bytes to arrive one character after the other.
+fn pace(queue: &mut VecDeque<(Instant, u8)>, now: Instant, bytes: &[u8]) {
+    let character: Duration = LINE.character_time(1);
+    for byte in bytes {
+        let start = queue.back().map_or(now, |(last, _)| (*last).max(now));
+        queue.push_back((start + character, *byte));
+    }
+}
+
+fn take_due(queue: &mut VecDeque<(Instant, u8)>, now: Instant) -> Vec<u8> {
+    std::iter::from_fn(|| queue.pop_front_if(|(at, _)| *at <= now).map(|(_, byte)| byte)).collect()
+}
