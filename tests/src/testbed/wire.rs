@@ -157,8 +157,8 @@ impl<F: FarEnd> Wire<F> {
     /// Waits until what the browser has sent since byte `from` fulfils `wanted`.
     pub fn wait_for_sent(&self, from: usize, limit: Duration, wanted: impl Fn(&[u8]) -> bool) {
         let locked = self.shared.lock();
-        let waited = self.shared.changed.wait_timeout_while(locked, limit, |state| !wanted(&state.sent[from..]));
-        let (state, wait) = waited.unwrap_or_else(PoisonError::into_inner);
+        let end = self.shared.changed.wait_timeout_while(locked, limit, |state| !wanted(&state.sent[from..]));
+        let (state, wait) = end.unwrap_or_else(PoisonError::into_inner);
         assert!(!wait.timed_out(), "the browser sent only {:02X?}", &state.sent[from..]);
     }
 
