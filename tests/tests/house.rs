@@ -34,7 +34,10 @@ fn files() -> Vec<(String, String)> {
 
 fn sources(folders: &[&str]) -> Vec<(String, String)> {
     let in_folder = |name: &str| folders.iter().any(|folder| name.starts_with(folder));
-    files().into_iter().filter(|(name, _)| name.ends_with(".rs") && in_folder(name)).collect()
+    files()
+        .into_iter()
+        .filter(|(name, _)| Path::new(name).extension().is_some_and(|end| end == "rs") && in_folder(name))
+        .collect()
 }
 
 /// Names of everything that `package` is built with, itself included.
