@@ -63,7 +63,7 @@ impl Task {
                 Long("debian-std") => options.debian_std = true,
                 Long("symbols") => options.symbols = true,
                 Long("port") => port = Some(args.value()?.parse()?),
-                Long("only") => only.push(args.value()?.parse()?),
+                Long("only") => only.push(args.value()?.string()?.parse()?),
                 Value(name) if command.is_none() => command = Some(name.string()?),
                 _ => return Err(arg.unexpected().into()),
             }
