@@ -1,0 +1,34 @@
+//! What the engine knows of a port, be it a real one or the simulated line.
+
+use buslens_codec::line::LineSettings;
+
+use crate::message::OpenFault;
+
+/// A port takes orders at once and answers by [`PortEvent`]s, in the order in which things happen.
+pub(crate) trait Port {
+    /// Opens the port, closing it first if it is open. Answered by `Opened` or `OpenFailed`.
+    fn open(&self, settings: LineSettings);
+
+    /// Hands bytes to the line. Without an open port they are dropped.
+    fn write(&self, bytes: &[u8]);
+
+    /// Closes the port and waits for nothing that a dead adapter could withhold. Answered by `Closed`.
+    fn close(&self);
+}
+
+/// What a port reports.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum PortEvent {
+    /// Open with the settings last asked for.
+    Opened,
+    /// Not open, and why.
+    OpenFailed(OpenFault),
+    /// Bytes from the line, in order; the borders of the chunks mean nothing.
+    Bytes(Vec<u8>),
+    /// The port has seen a character that breaks its settings; it stays open.
+    LineError,
+    /// The adapter is gone.
+    Lost,
+    /// Closed as asked.
+    Closed,
+}

@@ -1,0 +1,185 @@
+//! What the window and the engine's worker say to each other. Nothing else crosses between them.
+//!
+//! The window owns no protocol state: it sends wishes and draws the last [`Status`]. The engine sends a status at most at
+//! display rate, however fast the line is.
+
+use buslens_bus::Counters;
+use buslens_codec::UnitId;
+use buslens_codec::line::{LineSettings, Mode};
+use buslens_codec::pdu::ExceptionCode;
+use buslens_codec::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Window to engine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum ToEngine {
+    /// Open the port and start to read.
+    Connect(Connection),
+    /// Stop reading and close the port.
+    Disconnect,
+    /// The user has granted a port: look again.
+    PortsChanged,
+}
+
+/// Engine to window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum ToWindow {
+    /// The granted ports that are plugged in, in the browser's order. Sent at start and whenever they change.
+    Ports(Vec<PortId>),
+    /// The state of everything. Sent when something in it has changed.
+    Status(Status),
+    /// The engine has failed for good; its worker must be ended, which closes the port.
+    Panicked(String),
+}
+
+/// A granted serial port, as far as a page may know it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(crate) struct PortId {
+    /// Its place among the granted ports, the same in window and worker.
+    pub index: u32,
+    /// USB vendor and product id, if it is a USB port.
+    pub usb: Option<(u16, u16)>,
+}
+
+/// Everything needed to connect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Connection {
+    /// Where the bytes go.
+    pub source: Source,
+    /// Settings of the port.
+    pub line: LineSettings,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// The device's address, 0 to 255.
+    pub unit: UnitId,
+    /// Wanted time between two readings, in milliseconds.
+    pub period_ms: u32,
+    /// The device's profile, as the text of its file.
+    pub profile: String,
+}
+
+/// Where the bytes go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Source {
+    /// The built-in line with a simulated sensor.
+    Simulator,
+    /// A serial port of this machine.
+    Serial(PortId),
+}
+
+/// The state of everything that the engine knows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Status {
+    /// The port.
+    pub link: Link,
+    /// The device behind it.
+    pub health: Health,
+    /// The last value of each point that has been read, in the profile's order.
+    pub readings: Vec<Reading>,
+    /// Values that have come since the previous status, oldest first: for plots and statistics.
+    pub samples: Vec<Sample>,
+    /// Counts since the connection was made.
+    pub counters: Counters,
+    /// From the first byte of the last request to the last byte of its reply, in microseconds.
+    pub round_trip_us: Option<u32>,
+    /// Readings per second that really come, over the last seconds.
+    pub rate_hz: Option<f32>,
+    /// The last exchange as it went over the line: the whole request and whatever came back.
+    pub exchange: Option<Frames>,
+}
+
+/// State of the port.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Link {
+    /// Not connected.
+    #[default]
+    Closed,
+    /// Being opened.
+    Opening,
+    /// Open.
+    Open,
+    /// It vanished while open. The engine opens it again by itself as soon as it is back.
+    Lost,
+    /// Being closed.
+    Closing,
+    /// It could not be opened.
+    Failed(OpenFault),
+}
+
+/// Why a port could not be opened.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum OpenFault {
+    /// In use by another program or page, or its driver refuses.
+    Busy,
+    /// Not plugged in any more.
+    Missing,
+    /// The browser or its policy forbids it.
+    Forbidden,
+    /// The driver does not know these settings.
+    UnsupportedSettings,
+    /// Anything else, in the browser's own words.
+    Other(String),
+}
+
+/// State of the device on an open port.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Health {
+    /// No answer yet, and none overdue.
+    #[default]
+    Waiting,
+    /// Answers come.
+    Reading,
+    /// Answers fail to come. The readings shown are old.
+    Failing(Trouble),
+}
+
+/// What is wrong with the answers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Trouble {
+    /// Nothing comes back at all.
+    Silence,
+    /// Bytes come back, but they make no frame: most often a wrong baud rate or parity.
+    Garbage,
+    /// Replies come back with a wrong check.
+    BadCheck,
+    /// The device answers with an exception.
+    Exception {
+        /// The function code that it refuses.
+        function: u8,
+        /// Its reason.
+        code: ExceptionCode,
+    },
+    /// Replies come too late to be sure which request they answer.
+    Late,
+    /// A reply came whose value the device's format does not allow.
+    BadValue,
+}
+
+/// The last value of a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Reading {
+    /// The point's id in the profile.
+    pub point: String,
+    /// Its value.
+    pub value: Value,
+}
+
+/// One numeric value in time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sample {
+    /// The point's id in the profile.
+    pub point: String,
+    /// Seconds since the engine started.
+    pub at_s: f64,
+    /// The value in the point's unit.
+    pub value: f64,
+}
+
+/// The bytes of one exchange.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Frames {
+    /// The request as sent.
+    pub sent: Vec<u8>,
+    /// What came back, be it a reply or not.
+    pub received: Vec<u8>,
+}
