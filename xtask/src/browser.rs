@@ -8,6 +8,7 @@ use std::{env, fs, io};
 use anyhow::{Context, Result, bail};
 
 use crate::machine::{self, Missing};
+use crate::site::FirstLoad;
 use crate::{serve, site};
 
 /// The first port that tests try.
@@ -23,6 +24,7 @@ const POLICY: &str = "/etc/chromium/policies/managed/buslens-tests.json";
 /// A served site that a browser may use serial ports on, for as long as this lives.
 pub(crate) struct Stage {
     url: String,
+    first_load: FirstLoad,
     _permission: Permission,
 }
 
@@ -39,15 +41,20 @@ impl Stage {
         let door = serve::open(PORT)?;
         let url = format!("http://localhost:{}", door.port());
         let folder = machine::root().join(format!("target/site-on-{}", door.port()));
-        site::build(options, &folder)?;
+        let first_load = site::build(options, &folder)?;
         door.serve_in_background(folder);
         println!("browser: the site is on {url}");
-        Ok(Self { _permission: Permission::give(&url)?, url })
+        Ok(Self { _permission: Permission::give(&url)?, first_load, url })
     }
 
     /// The site's origin, without a slash at the end.
     pub(crate) fn url(&self) -> &str {
         &self.url
+    }
+
+    /// How heavy the site is.
+    pub(crate) fn first_load(&self) -> FirstLoad {
+        self.first_load
     }
 }
 

@@ -77,7 +77,16 @@ pub(crate) fn run(options: site::Options, steps: &[Step]) -> ExitCode {
                 run_tests(cargo.args(["test", "--workspace", "--locked", "--no-fail-fast", "--doc"]))
             }),
             Step::Bare => tally.single("bare", || bare(options)),
-            Step::Browser => tally.tests("browser", || browser(options)),
+            Step::Browser => {
+                println!("==> site for the browser");
+                match Stage::new(options) {
+                    Ok(stage) => {
+                        tally.single("size", || stage.first_load().check());
+                        tally.tests("browser", || browser(&stage));
+                    }
+                    Err(error) => tally.error("browser", &error),
+                }
+            }
         }
     }
     // Whatever the children have written comes before this.
@@ -106,8 +115,7 @@ fn bare(options: site::Options) -> Result<()> {
     machine::run(cargo.args(["--package", "buslens-codec", "--package", "buslens-bus"]))
 }
 
-fn browser(options: site::Options) -> Result<Report> {
-    let stage = Stage::new(options)?;
+fn browser(stage: &Stage) -> Result<Report> {
     let mut cargo = machine::cargo();
     cargo.args(["test", "--package", "buslens-tests", "--locked", "--no-fail-fast", "--tests", "--", "--ignored"]);
     cargo.env("BUSLENS_SITE", stage.url());

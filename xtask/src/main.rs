@@ -91,13 +91,13 @@ impl Task {
     fn run(self) -> Result<ExitCode> {
         match self {
             Self::Help => print!("{HELP}"),
-            Self::Build(options) => {
-                site::build(options, &machine::root().join("dist"))?;
-            }
+            Self::Build(options) => site::build(options, &machine::root().join("dist"))?.check()?,
             Self::Serve(options, port) => {
                 let door = serve::open(port)?;
                 let dist = machine::root().join("dist");
-                site::build(options, &dist)?;
+                if let Err(error) = site::build(options, &dist)?.check() {
+                    println!("warning: {error}");
+                }
                 if door.port() != port {
                     println!("port {port} is busy");
                 }
