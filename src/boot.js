@@ -1,9 +1,17 @@
 // Starts the program in the window and in the worker that the window starts from this script's own address.
 // The build puts the generated bindings in front of this text and the real name into the address.
 const inWindow = typeof document !== "undefined";
+const early = [];
+const hold = (event) => early.push(event);
 if (inWindow) globalThis.buslensWorker = import.meta.url;
+// What the window says before the worker's program listens is kept for it.
+else addEventListener("message", hold);
 try {
   await start({ module_or_path: new URL("buslens.wasm", import.meta.url) });
+  if (!inWindow) {
+    removeEventListener("message", hold);
+    for (const event of early) onmessage(event);
+  }
 } catch (error) {
   // A worker's error reaches the window as an event. A program that came far enough has drawn a page of its own.
   if (!inWindow || document.querySelector("body > :not(noscript)")) throw error;

@@ -4,11 +4,10 @@
 //! A profile is a JSON file; `CONTRIBUTING.md` of the project tells its keys. [`Profile::from_json`] checks what can be
 //! checked without the device, down to the worked examples.
 
-use alloc::format;
+mod load;
+
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-
-use serde::Deserialize;
 
 use crate::line::{LineSettings, Mode};
 use crate::pdu::{MAX_READ_QUANTITY, Request};
@@ -21,8 +20,7 @@ pub const BUILT_IN: &[&str] = &[include_str!("../profiles/lvdt.json")];
 pub const FORMAT: u32 = 1;
 
 /// A device, as data.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// [`FORMAT`].
     pub format: u32,
@@ -31,7 +29,6 @@ pub struct Profile {
     /// Name for people.
     pub name: Texts,
     /// Where the facts come from.
-    #[serde(default)]
     pub source: String,
     /// Factory settings of the line.
     pub line: LineSettings,
@@ -44,26 +41,21 @@ pub struct Profile {
     /// How fast and how often.
     pub timing: Timing,
     /// Supply, as printed in its manual.
-    #[serde(default)]
     pub supply: String,
     /// Its wires.
-    #[serde(default)]
     pub wiring: Vec<Wire>,
     /// Everything that can be read or written, in the order of its registers.
     pub points: Vec<Point>,
     /// Registers that the device lets be read together.
     pub groups: Vec<Group>,
     /// Reads at the broadcast address that bring the unit id, best first.
-    #[serde(default)]
     pub discovery: Vec<Group>,
     /// Worked examples: loading fails if one of them does not come out.
-    #[serde(default)]
     pub examples: Vec<Example>,
 }
 
 /// A text in both languages.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Texts {
     /// English.
     pub en: String,
@@ -72,8 +64,7 @@ pub struct Texts {
 }
 
 /// First and last of something, both included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Range {
     /// The smallest.
     pub first: u16,
@@ -89,33 +80,26 @@ impl Range {
 }
 
 /// Times and endurance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
     /// Deaf after power-on.
-    #[serde(default)]
     pub startup_silence_ms: u32,
     /// How long it may think before it answers.
     pub response_timeout_ms: u32,
     /// Pause before another device is addressed.
-    #[serde(default)]
     pub inter_device_pause_ms: u32,
     /// Usual time between two readings.
     pub poll_period_ms: u32,
     /// Shortest useful time between two readings.
-    #[serde(default)]
     pub min_poll_period_ms: u32,
     /// Shortest time between two writes.
-    #[serde(default)]
     pub min_write_period_ms: u32,
     /// How many writes its memory endures, 0 if unknown.
-    #[serde(default)]
     pub flash_writes: u32,
 }
 
 /// One wire of its cable.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wire {
     /// Colour as a CSS colour name.
     pub color: String,
@@ -124,13 +108,11 @@ pub struct Wire {
     /// Its terminal: `V+`, `A`.
     pub signal: String,
     /// What it is for.
-    #[serde(rename = "use")]
     pub purpose: Texts,
 }
 
 /// Where registers live.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
     /// Input registers: read by function 04.
     Input,
@@ -141,8 +123,7 @@ pub enum Table {
 }
 
 /// What may be done with a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// Read only.
     Read,
@@ -153,8 +134,7 @@ pub enum Access {
 }
 
 /// What a point is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// What the device is for.
     Measurement,
@@ -165,8 +145,7 @@ pub enum Role {
 }
 
 /// What a write does to the link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// The unit id changes.
     Unit,
@@ -181,8 +160,7 @@ pub enum Effect {
 }
 
 /// One datum or command of a device.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// Name for programs.
     pub id: String,
@@ -195,49 +173,38 @@ pub struct Point {
     /// How the registers hold it.
     pub encoding: Encoding,
     /// Its unit, empty for none.
-    #[serde(default)]
     pub unit: String,
     /// What may be done with it.
     pub access: Access,
     /// What it is for.
     pub role: Role,
     /// The one value that matters most.
-    #[serde(default)]
     pub primary: bool,
     /// Values that may be written.
-    #[serde(default)]
     pub range: Option<Range>,
     /// Meanings of its codes.
-    #[serde(default)]
     pub codes: Vec<Code>,
     /// Value that it leaves the factory with.
-    #[serde(default)]
     pub factory: Option<u16>,
     /// A write can lose the device or its calibration.
-    #[serde(default)]
     pub danger: bool,
     /// What a write does to the link.
-    #[serde(default)]
     pub effect: Option<Effect>,
 }
 
 /// A code with its meaning: a number, a name, or both.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Code {
     /// As in the register.
     pub code: u16,
     /// The number that it stands for.
-    #[serde(default)]
     pub number: Option<u32>,
     /// What it means.
-    #[serde(default)]
     pub name: Option<Texts>,
 }
 
 /// Registers that are read together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Group {
     /// Where they live.
     pub table: Table,
@@ -248,8 +215,7 @@ pub struct Group {
 }
 
 /// Registers and the value that they hold.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Example {
     /// The point's id.
     pub point: String,
@@ -270,39 +236,22 @@ pub struct PointValue<'a> {
     pub value: Result<Value, ValueError>,
 }
 
-/// Why a text is no profile.
+/// Why a text is no profile, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ProfileError {
-    /// Not JSON, or not of a profile's shape.
-    #[error("line {line}, column {column}: {reason}")]
-    Text {
-        /// Counted from 1.
-        line: usize,
-        /// Counted from 1.
-        column: usize,
-        /// In English, from the JSON reader.
-        reason: String,
-    },
-    /// Of a profile's shape, but contradicting itself or the standard.
-    #[error("{path}: {reason}")]
-    Content {
-        /// The key at fault, such as `points[2].range`.
-        path: String,
-        /// In English.
-        reason: String,
-    },
+#[error("line {line}, column {column}: {reason}")]
+pub struct ProfileError {
+    /// Counted from 1.
+    pub line: usize,
+    /// In characters, counted from 1.
+    pub column: usize,
+    /// In English.
+    pub reason: String,
 }
 
 impl Profile {
     /// Reads and checks a profile's file.
     pub fn from_json(text: &str) -> Result<Self, ProfileError> {
-        let profile: Self = serde_json::from_str(text).map_err(|error| {
-            let message = error.to_string();
-            let reason = message.split(" at line ").next().unwrap_or_default().into();
-            ProfileError::Text { line: error.line(), column: error.column(), reason }
-        })?;
-        profile.check()?;
-        Ok(profile)
+        load::load(text)
     }
 
     /// The point with this id.
@@ -312,9 +261,8 @@ impl Profile {
 
     /// What the device is for, the primary one first.
     pub fn measurements(&self) -> Vec<&Point> {
-        let mut points: Vec<&Point> = self.points.iter().filter(|point| point.role == Role::Measurement).collect();
-        points.sort_by_key(|point| !point.primary);
-        points
+        let measurements = || self.points.iter().filter(|point| point.role == Role::Measurement);
+        measurements().filter(|point| point.primary).chain(measurements().filter(|point| !point.primary)).collect()
     }
 
     /// The groups that bring the measurements.
@@ -341,69 +289,6 @@ impl Profile {
             Some(PointValue { point, offset, value })
         });
         found.collect()
-    }
-
-    fn check(&self) -> Result<(), ProfileError> {
-        let fail = |path: String, reason: &str| Err(ProfileError::Content { path, reason: reason.into() });
-        if self.format != FORMAT {
-            return fail("format".into(), "this version reads format 1");
-        }
-        let plain = |id: &str| {
-            !id.is_empty() && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-' || b == b'_')
-        };
-        if !plain(&self.id) {
-            return fail("id".into(), "use lower-case letters, digits, - and _");
-        }
-        if self.line.baud == 0 {
-            return fail("line.baud".into(), "must not be 0");
-        }
-        if self.units.first > self.units.last || self.units.last > 255 {
-            return fail("units".into(), "must lie within 0 and 255");
-        }
-        if self.timing.poll_period_ms == 0 {
-            return fail("timing.poll_period_ms".into(), "must not be 0");
-        }
-        for (index, point) in self.points.iter().enumerate() {
-            let path = |key: &str| format!("points[{index}].{key}");
-            if !plain(&point.id) {
-                return fail(path("id"), "use lower-case letters, digits, - and _");
-            }
-            if self.points[..index].iter().any(|earlier| earlier.id == point.id) {
-                return fail(path("id"), "another point has this id");
-            }
-            if usize::from(point.register) + point.encoding.registers() > 0x1_0000 {
-                return fail(path("register"), "runs over the last register");
-            }
-            if point.range.is_some_and(|range| range.first > range.last) {
-                return fail(path("range"), "first is larger than last");
-            }
-            let twice = |(at, code): (usize, &Code)| point.codes[..at].iter().any(|earlier| earlier.code == code.code);
-            if point.codes.iter().enumerate().any(twice) {
-                return fail(path("codes"), "a code stands twice");
-            }
-            let readable = point.access != Access::Write;
-            if point.role == Role::Measurement && readable && !self.groups.iter().any(|g| g.offset_of(point).is_some())
-            {
-                return fail(path("register"), "no group reads this measurement");
-            }
-        }
-        for (index, group) in self.groups.iter().chain(&self.discovery).enumerate() {
-            if group.request().is_none() {
-                return fail(format!("groups[{index}]"), "must be 1 to 125 input or holding registers");
-            }
-        }
-        for (index, example) in self.examples.iter().enumerate() {
-            let path = format!("examples[{index}]");
-            let Some(point) = self.point(&example.point) else {
-                return fail(path, "there is no such point");
-            };
-            let text = point.encoding.decode(&example.registers).map(|value| point.text(value, |name| &name.en));
-            if text.as_deref() != Ok(&example.text) {
-                let reason = format!("{:?} is {text:?}", example.registers);
-                return fail(path, &reason);
-            }
-        }
-        Ok(())
     }
 }
 
@@ -482,32 +367,5 @@ mod tests {
         assert_eq!(baud.text(Value::Code(9), |name| &name.en), "9");
         assert!(!baud.allows(9) && baud.allows(7));
         assert!(!profile.point("address").unwrap().allows(248));
-    }
-
-    #[test]
-    fn a_wrong_text_is_placed_by_line_and_column() {
-        let text = BUILT_IN[0].replace("\"mode\": \"rtu\"", "\"mode\": \"rtx\"");
-        let Err(ProfileError::Text { line, reason, .. }) = Profile::from_json(&text) else { panic!("accepted") };
-        assert_eq!(line, 7);
-        assert!(reason.contains("rtx"), "{reason}");
-    }
-
-    #[test]
-    fn contradictions_are_named_by_their_key() {
-        let wrong = [
-            ("\"format\": 1", "\"format\": 2", "format"),
-            ("\"id\": \"displacement\"", "\"id\": \"temperature\"", "points[1].id"),
-            ("\"quantity\": 4", "\"quantity\": 126", "groups[0]"),
-            ("\"address\": 2, \"quantity\": 4", "\"address\": 3, \"quantity\": 3", "points[0].register"),
-            ("[32768, 328], \"text\": \"-0.328\"", "[32768, 328], \"text\": \"0.328\"", "examples[2]"),
-            ("\"first\": 1, \"last\": 247 },\n  \"timing\"", "\"first\": 1, \"last\": 256 },\n  \"timing\"", "units"),
-        ];
-        for (from, to, expected) in wrong {
-            assert!(BUILT_IN[0].contains(from), "{from}");
-            match Profile::from_json(&BUILT_IN[0].replacen(from, to, 1)) {
-                Err(ProfileError::Content { path, .. }) => assert_eq!(path, expected),
-                other => panic!("{from}: {other:?}"),
-            }
-        }
     }
 }

@@ -88,8 +88,7 @@ impl fmt::Display for Value {
 }
 
 /// Which register of a pair comes first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WordOrder {
     /// High word first, as bytes within a register.
     #[default]
@@ -99,49 +98,40 @@ pub enum WordOrder {
 }
 
 /// How registers hold a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// One register, unsigned.
     U16 {
         /// Digits behind the point.
-        #[serde(default)]
         decimals: u8,
     },
     /// One register, two's complement.
     I16 {
         /// Digits behind the point.
-        #[serde(default)]
         decimals: u8,
     },
     /// Two registers, unsigned.
     U32 {
         /// Digits behind the point.
-        #[serde(default)]
         decimals: u8,
         /// Which register comes first.
-        #[serde(default)]
         words: WordOrder,
     },
     /// Two registers, two's complement.
     I32 {
         /// Digits behind the point.
-        #[serde(default)]
         decimals: u8,
         /// Which register comes first.
-        #[serde(default)]
         words: WordOrder,
     },
     /// Two registers, IEEE 754 single precision.
     F32 {
         /// Which register comes first.
-        #[serde(default)]
         words: WordOrder,
     },
     /// Two registers of which the first is reserved and the second holds a two's complement.
     ReservedI16 {
         /// Digits behind the point.
-        #[serde(default)]
         decimals: u8,
     },
     /// Two registers: bit 15 of the first is the sign and the rest whole units, the second holds thousandths (0-999).
