@@ -67,11 +67,10 @@ impl<D: Device> Line<D> {
             let character = self.collide(character);
             self.from_host.push_back(character);
             if self.faults.echo {
-                self.to_host.push_back(character);
+                self.queue_for_host(character);
             }
             start = end;
         }
-        self.sort_arrivals();
     }
 
     /// Carries everything that happens up to `now`.
@@ -131,10 +130,9 @@ impl<D: Device> Line<D> {
         for byte in bytes {
             let end = start + frame.line.character_time(1);
             let character = self.collide(Character { start, end, byte, line: frame.line, station: Some(station) });
-            self.to_host.push_back(character);
+            self.queue_for_host(character);
             start = end;
         }
-        self.sort_arrivals();
     }
 
     /// Garbles `character` and whatever somebody else has on the wire at the same time.
@@ -150,8 +148,10 @@ impl<D: Device> Line<D> {
         character
     }
 
-    fn sort_arrivals(&mut self) {
-        self.to_host.make_contiguous().sort_by_key(|character| character.end);
+    /// Characters reach the host in the order in which they end.
+    fn queue_for_host(&mut self, character: Character) {
+        let at = self.to_host.partition_point(|earlier| earlier.end <= character.end);
+        self.to_host.insert(at, character);
     }
 
     /// The host's port makes a byte of a character; at wrong settings any byte, or none.
