@@ -42,6 +42,8 @@ pub(crate) struct Facts {
     pub(crate) expected: String,
     /// Whether length and contents fit a function that is known.
     pub(crate) known_shape: bool,
+    /// Whether it holds registers whose addresses are not known.
+    pub(crate) nameless: bool,
 }
 
 /// Bytes that belong together.
@@ -90,6 +92,11 @@ impl Anatomy {
     pub(crate) fn as_noise(&self, language: Language) -> Self {
         let parts = noise(language, self.bytes.len());
         Self { bytes: self.bytes.clone(), mode: self.mode, parts, facts: None }
+    }
+
+    /// Whether it is a reply whose registers nobody can name, because its request is not known.
+    pub(crate) fn lacks_request(&self) -> bool {
+        self.facts.as_ref().is_some_and(|facts| facts.nameless)
     }
 
     /// How the byte at a place is written: two digits, or the character itself in ASCII mode.
@@ -254,6 +261,7 @@ impl Words<'_> {
             meaning: self.meaning(found),
             check_ok: found.check.is_ok(),
             expected,
+            nameless: found.address.is_none() && !found.registers.is_empty(),
             known_shape: found.fault.is_none() && matches!(found.function, 1..=6 | 15 | 16),
         }
     }

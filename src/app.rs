@@ -5,6 +5,7 @@ use std::time::Duration;
 use leptos::prelude::*;
 
 use crate::components::shell::{rail, top_bar};
+use crate::dom::{el, mount};
 use crate::history::History;
 use crate::link;
 use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
@@ -21,7 +22,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Puts the page into the document.
 pub(crate) fn start() {
-    mount_to_body(root);
+    mount_to_body(build);
 }
 
 /// What every part of the page may look at. Signals only: free of JS handles.
@@ -50,10 +51,6 @@ pub(crate) struct App {
     pub(crate) clock_turn: RwSignal<u32>,
     /// The engine's clock against the window's, in seconds; known from the first sample on.
     pub(crate) clock_lead_s: StoredValue<Option<f64>>,
-    /// The link's state.
-    pub(crate) link: Memo<Link>,
-    /// The device's state.
-    pub(crate) health: Memo<Health>,
     /// Link and device in one word.
     pub(crate) phase: Memo<Phase>,
 }
@@ -133,8 +130,6 @@ impl Phase {
 impl App {
     fn new() -> Self {
         let status = RwSignal::new(Status::default());
-        let link = Memo::new(move |_| status.with(|status| status.link.clone()));
-        let health = Memo::new(move |_| status.with(|status| status.health.clone()));
         Self {
             language: follow_language(),
             theme: theme::follow(),
@@ -148,18 +143,8 @@ impl App {
             history_turn: RwSignal::new(0),
             clock_turn: RwSignal::new(0),
             clock_lead_s: StoredValue::new(None),
-            link,
-            health,
-            phase: Memo::new(move |_| Phase::of(&link.get(), &health.get())),
+            phase: Memo::new(move |_| status.with(|status| Phase::of(&status.link, &status.health))),
         }
-    }
-
-    /// A text that follows the language.
-    pub(crate) fn text(
-        &'static self,
-        pick: fn(Language) -> &'static str,
-    ) -> impl Fn() -> &'static str + Copy + Send + Sync {
-        move || pick(self.language.get())
     }
 
     /// Asks the engine to connect and starts a new history.
@@ -207,36 +192,29 @@ impl App {
     }
 }
 
-fn root() -> impl IntoView {
+/// Builds the page under Leptos's owner, which lives as long as the page does.
+fn build() {
     // One for the life of the page, and cheap for every closure to hold.
     let app: &'static App = Box::leak(Box::new(App::new()));
     tick_while_connected(app);
     link::start(move |message| app.hear(message));
-    let leaving = window_event_listener(leptos::ev::pagehide, |_| link::end());
+    // Neither listener ever ends.
+    let _ = window_event_listener(leptos::ev::pagehide, |_| link::end());
     // A page that comes back from the browser's memory has lost its engine.
-    let back = window_event_listener(leptos::ev::pageshow, |event| {
+    let _ = window_event_listener(leptos::ev::pageshow, |event| {
         if event.persisted() {
             let _ = window().location().reload();
         }
     });
-    on_cleanup(move || {
-        leaving.remove();
-        back.remove();
-    });
-    let page = Memo::new(move |_| app.route.with(|route| matches!(route, Route::Live)));
-    view! {
-        <a class="skip" href="#content" on:click=|event| {
-            event.prevent_default();
-            focus_content();
-        }>{app.text(Language::skip_to_content)}</a>
-        <div class="app">
-            {rail(app)}
-            {top_bar(app)}
-            <main id="content" class="content" tabindex="-1">
-                {move || if page.get() { live_page(app) } else { decoder_page(app) }}
-            </main>
-        </div>
-    }
+    let live = Memo::new(move |_| app.route.with(|route| matches!(route, Route::Live)));
+    let skip = el("a").class("skip").attr("href", "#content").say(app, Language::skip_to_content);
+    mount(skip.on("click", |event| {
+        event.prevent_default();
+        focus_content();
+    }));
+    let content = el("main").class("content").attr("id", "content").attr("tabindex", "-1");
+    let content = content.live_one(move || Some(if live.get() { live_page(app) } else { decoder_page(app) }));
+    mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));
 }
 
 /// Drives what changes with time alone: ages and the moving strip.

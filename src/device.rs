@@ -7,6 +7,7 @@ use buslens_codec::profile::{BUILT_IN, Point, Profile, Texts, Wire};
 use buslens_codec::value::Value;
 
 use crate::format;
+use crate::message::Status;
 use crate::text::Language;
 
 static DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
@@ -109,6 +110,11 @@ impl Device {
     fn wire(&self, signal: &str) -> Option<&Wire> {
         self.wires().iter().find(|wire| wire.signal == signal)
     }
+}
+
+/// The last value of a point, if it has been read.
+pub(crate) fn reading(status: &Status, point: &str) -> Option<Value> {
+    status.readings.iter().find(|reading| reading.point == point).map(|reading| reading.value)
 }
 
 /// A profile's text in one language.

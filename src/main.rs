@@ -8,6 +8,7 @@ mod app;
 mod components;
 mod crash;
 mod device;
+mod dom;
 mod engine;
 mod format;
 mod history;

@@ -2,8 +2,10 @@
 
 use leptos::prelude::*;
 
+use super::button::button;
 use super::icon::{Icon, icon};
 use crate::app::App;
+use crate::dom::{El, el};
 use crate::link;
 use crate::message::ToEngine;
 use crate::text::Language;
@@ -32,40 +34,19 @@ pub(crate) enum Remedy {
     Dismiss,
 }
 
-/// The panel; nothing while there is no fault.
-pub(crate) fn fault_panel(app: &'static App, fault: Memo<Option<Fault>>) -> AnyView {
-    (move || fault.get().map(|fault| panel(app, fault))).into_any()
-}
-
-fn panel(app: &'static App, fault: Fault) -> AnyView {
-    let remedy = match fault.remedy {
-        Some(Remedy::ChangeSettings) => view! {
-            <button type="button" class="button" data-test="change-settings" on:click=move |_| link::send(&ToEngine::Disconnect)>
-                {app.text(Language::change_settings)}
-            </button>
-        }
-        .into_any(),
-        Some(Remedy::Dismiss) => view! {
-            <button type="button" class="button" data-test="dismiss" on:click=move |_| app.pick_fault.set(None)>
-                {app.text(Language::dismiss)}
-            </button>
-        }
-        .into_any(),
-        None => ().into_any(),
-    };
-    let tips: Vec<_> = fault.tips.into_iter().map(|tip| view! { <li>{tip}</li> }).collect();
-    let heading = (!tips.is_empty()).then(|| view! { <p class="try">{app.text(Language::what_to_try)}</p> });
-    view! {
-        <section class="alert" role="alert" data-test="fault" data-fault=fault.id>
-            {icon(Icon::Fault)}
-            <div>
-                <h2>{fault.title}</h2>
-                <p>{fault.what}</p>
-                {heading}
-                <ol>{tips}</ol>
-                {remedy}
-            </div>
-        </section>
+/// The panel of a fault.
+pub(crate) fn fault_panel(app: &'static App, fault: &Fault) -> El {
+    let mut body = el("div").child(el("h2").text(&fault.title)).child(el("p").text(&fault.what));
+    if !fault.tips.is_empty() {
+        let tips = fault.tips.iter().map(|tip| el("li").text(tip));
+        body = body.child(el("p").class("try").say(app, Language::what_to_try)).child(el("ol").children(tips));
     }
-    .into_any()
+    let body = body.children(fault.remedy.map(|remedy| match remedy {
+        Remedy::ChangeSettings => {
+            button(app, "", "change-settings", Language::change_settings).click(|| link::send(&ToEngine::Disconnect))
+        }
+        Remedy::Dismiss => button(app, "", "dismiss", Language::dismiss).click(|| app.pick_fault.set(None)),
+    }));
+    let panel = el("section").class("alert").attr("role", "alert").test("fault").attr("data-fault", fault.id);
+    panel.child(icon(Icon::Fault)).child(body)
 }

@@ -3,36 +3,27 @@
 use leptos::prelude::*;
 
 use crate::anatomy::Anatomy;
+use crate::dom::{El, el};
 
 /// The bytes of a frame. `lit` is the part pointed at, here or wherever else the same parts are shown.
-pub(crate) fn byte_groups(anatomy: &Anatomy, lit: RwSignal<Option<usize>>) -> AnyView {
-    let groups: Vec<_> = anatomy
-        .parts
-        .iter()
-        .enumerate()
-        .map(|(number, part)| {
-            let bytes: Vec<_> = part
-                .range
-                .clone()
-                .map(|at| view! { <span class="byte" data-test="byte">{anatomy.byte_text(at)}</span> })
-                .collect();
-            view! {
-                <div
-                    class="part"
-                    class:lit=move || lit.get() == Some(number)
-                    data-kind=part.kind
-                    title=part.name.clone()
-                    tabindex="0"
-                    on:mouseenter=move |_| lit.set(Some(number))
-                    on:mouseleave=move |_| lit.set(None)
-                    on:focus=move |_| lit.set(Some(number))
-                    on:blur=move |_| lit.set(None)
-                >
-                    <span class="part-bytes">{bytes}</span>
-                    <small>{part.caption.clone()}</small>
-                </div>
-            }
-        })
-        .collect();
-    view! { <div class="bytes">{groups}</div> }.into_any()
+pub(crate) fn byte_groups(anatomy: &Anatomy, lit: RwSignal<Option<usize>>) -> El {
+    let groups = anatomy.parts.iter().enumerate().map(|(number, part)| {
+        let bytes = part.range.clone().map(|at| el("span").class("byte").test("byte").text(&anatomy.byte_text(at)));
+        let group = el("div").class("part").attr("data-kind", part.kind).attr("title", &part.name);
+        lights(group, number, lit)
+            .child(el("span").class("part-bytes").children(bytes))
+            .child(el("small").text(&part.caption))
+    });
+    el("div").class("bytes").children(groups)
+}
+
+/// Makes an element light up together with everything else that shows the same part.
+pub(crate) fn lights(element: El, number: usize, lit: RwSignal<Option<usize>>) -> El {
+    element
+        .attr("tabindex", "0")
+        .live_class("lit", move || lit.get() == Some(number))
+        .on("mouseenter", move |_| lit.set(Some(number)))
+        .on("mouseleave", move |_| lit.set(None))
+        .on("focus", move |_| lit.set(Some(number)))
+        .on("blur", move |_| lit.set(None))
 }

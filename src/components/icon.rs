@@ -1,6 +1,6 @@
 //! One family of line icons: 18 px, stroke 1.6, the text's colour.
 
-use leptos::prelude::*;
+use crate::dom::{El, svg};
 
 /// An icon's shape.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -47,10 +47,10 @@ impl Icon {
 }
 
 /// Draws an icon. It says nothing to a screen reader: its button or heading does.
-pub(crate) fn icon(icon: Icon) -> impl IntoView {
-    view! {
-        <svg class="icon" viewBox="0 0 18 18" aria-hidden="true">
-            <path d=icon.path() />
-        </svg>
-    }
+pub(crate) fn icon(icon: Icon) -> El {
+    svg("svg")
+        .class("icon")
+        .attr("viewBox", "0 0 18 18")
+        .attr("aria-hidden", "true")
+        .child(svg("path").attr("d", icon.path()))
 }

@@ -1,6 +1,7 @@
 //! Parts of the page that several places use.
 
 pub(crate) mod alert;
+pub(crate) mod button;
 pub(crate) mod bytes;
 pub(crate) mod icon;
 pub(crate) mod shell;

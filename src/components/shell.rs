@@ -3,8 +3,10 @@
 use buslens_codec::line::Mode;
 use leptos::prelude::*;
 
+use super::button::{bare, button};
 use super::icon::{Icon, icon};
 use crate::app::{App, Phase};
+use crate::dom::{El, el, svg};
 use crate::format;
 use crate::link;
 use crate::message::{Connection, Source, ToEngine};
@@ -14,110 +16,116 @@ use crate::text::Language;
 use crate::theme::Theme;
 
 /// The pages. A bar at the bottom of a narrow screen.
-pub(crate) fn rail(app: &'static App) -> AnyView {
-    let live = Memo::new(move |_| app.route.with(|route| matches!(route, Route::Live)));
-    let rate = Memo::new(move |_| {
+pub(crate) fn rail(app: &'static App) -> El {
+    let live = move || app.route.with(|route| matches!(route, Route::Live));
+    let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
+    let mark = mark
+        .child(svg("circle").attr("cx", "9").attr("cy", "9").attr("r", "6.5"))
+        .child(svg("path").attr("d", "M13.8 13.8 18 18M5 9h2l1.2-2.6L10 11.6 11.2 9H13"));
+    let rate = el("small").live_text(move || {
         let reading = app.phase.get() == Phase::Reading;
-        app.status.with(|status| status.rate_hz.filter(|_| reading).map(|rate| format::rate(whole_above_ten(rate))))
+        let rate = app.status.with(|status| status.rate_hz.filter(|_| reading));
+        rate.map(|rate| [&format::rate(whole_above_ten(rate)), "/s"].concat()).unwrap_or_default()
     });
-    view! {
-        <nav class="rail" aria-label=app.text(Language::pages)>
-            <div class="brand">
-                <svg class="brand-mark" viewBox="0 0 20 20" aria-hidden="true">
-                    <circle cx="9" cy="9" r="6.5" />
-                    <path d="M13.8 13.8 18 18M5 9h2l1.2-2.6L10 11.6 11.2 9H13" />
-                </svg>
-                <span>{app.text(Language::brand)}</span>
-            </div>
-            <a class="nav" href="#/live" data-test="nav-live" aria-current=move || live.get().then_some("page")>
-                {icon(Icon::Live)} <span>{app.text(Language::live)}</span>
-                <small>{move || rate.get().map(|rate| [&rate, "/s"].concat())}</small>
-            </a>
-            <a class="nav" href="#/decoder" data-test="nav-decoder" aria-current=move || (!live.get()).then_some("page")>
-                {icon(Icon::Decoder)} <span>{app.text(Language::decoder)}</span>
-            </a>
-            <small class="version">{env!("CARGO_PKG_VERSION")}</small>
-        </nav>
-    }
-    .into_any()
+    el("nav")
+        .class("rail")
+        .label(app, Language::pages)
+        .child(el("div").class("brand").child(mark).child(el("span").text("Buslens")))
+        .child(page_link(app, "#/live", "nav-live", Icon::Live, Language::live, live).child(rate))
+        .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, move || !live()))
+        .child(el("small").class("version").text(env!("CARGO_PKG_VERSION")))
+}
+
+fn page_link(
+    app: &'static App,
+    address: &str,
+    hook: &str,
+    mark: Icon,
+    text: fn(Language) -> &'static str,
+    is_current: impl Fn() -> bool + 'static,
+) -> El {
+    el("a")
+        .class("nav")
+        .attr("href", address)
+        .test(hook)
+        .live_attr("aria-current", move || is_current().then(|| "page".to_owned()))
+        .child(icon(mark))
+        .child(el("span").say(app, text))
 }
 
 /// The bar at the top of every page.
-pub(crate) fn top_bar(app: &'static App) -> AnyView {
-    let connected = Memo::new(move |_| app.phase.get().is_connected());
-    let round_trip = Memo::new(move |_| {
+pub(crate) fn top_bar(app: &'static App) -> El {
+    let phase_name = move || Some(app.phase.get().name().to_owned());
+    let state = el("span")
+        .class("state")
+        .test("state")
+        .attr("aria-live", "polite")
+        .live_attr("data-state", phase_name)
+        .child(el("i").class("dot").live_attr("data-state", phase_name))
+        .child(el("span").class("state-text").live_text(|| app.phase.get().title(app.language.get()).to_owned()));
+    let round_trip = move || {
         let reading = app.phase.get() == Phase::Reading;
-        app.status.with(|status| status.round_trip_us.filter(|_| reading).map(format::milliseconds))
-    });
-    view! {
-        <header class="top">
-            <div class="chip">
-                <span class="state" data-test="state" data-state=move || app.phase.get().name() aria-live="polite">
-                    <i class="dot" data-state=move || app.phase.get().name()></i>
-                    <span class="state-text">{move || app.phase.get().title(app.language.get())}</span>
-                </span>
-                <b class="port-name">{move || port_name(app)}</b>
-                <span class="line-text">{move || line_text(app)}</span>
-            </div>
-            <span class="chip round-trip" class:hidden=move || round_trip.with(Option::is_none)>
-                <span>{app.text(Language::round_trip)}</span>
-                <b data-test="round-trip">{move || round_trip.get()}</b>
-            </span>
-            <span class="space"></span>
-            {switches(app)}
-            <Show when=move || connected.get()>
-                <button
-                    type="button"
-                    class="button"
-                    data-test="disconnect"
-                    disabled=move || app.phase.get() == Phase::Closing
-                    on:click=move |_| link::send(&ToEngine::Disconnect)
-                >
-                    {app.text(Language::disconnect)}
-                </button>
-            </Show>
-        </header>
-    }
-    .into_any()
+        app.status.with(|status| status.round_trip_us.filter(|_| reading))
+    };
+    let chip = el("div")
+        .class("chip")
+        .child(state)
+        .child(el("b").class("port-name").live_text(move || port_name(app)))
+        .child(el("span").class("line-text").live_text(move || line_text(app)));
+    let trip = el("span")
+        .class("chip round-trip")
+        .live_class("hidden", move || round_trip().is_none())
+        .child(el("span").say(app, Language::round_trip))
+        .child(
+            el("b").test("round-trip").live_text(move || round_trip().map(format::milliseconds).unwrap_or_default()),
+        );
+    let connected = Memo::new(move |_| app.phase.get().is_connected());
+    el("header")
+        .class("top")
+        .child(chip)
+        .child(trip)
+        .child(el("span").class("space"))
+        .child(theme_switch(app))
+        .child(language_switch(app))
+        .live_one(move || {
+            connected.get().then(|| {
+                button(app, "", "disconnect", Language::disconnect)
+                    .flag("disabled", move || app.phase.get() == Phase::Closing)
+                    .click(|| link::send(&ToEngine::Disconnect))
+            })
+        })
 }
 
-fn switches(app: &'static App) -> AnyView {
-    let theme_text = move || match app.theme.get() {
-        Theme::Auto => app.language.get().theme_auto(),
-        Theme::Light => app.language.get().theme_light(),
-        Theme::Dark => app.language.get().theme_dark(),
+fn theme_switch(app: &'static App) -> El {
+    let text = move || {
+        let language = app.language.get();
+        Some(
+            match app.theme.get() {
+                Theme::Auto => language.theme_auto(),
+                Theme::Light => language.theme_light(),
+                Theme::Dark => language.theme_dark(),
+            }
+            .to_owned(),
+        )
     };
-    view! {
-        <button
-            type="button"
-            class="button quiet square"
-            data-test="theme"
-            aria-label=theme_text
-            title=theme_text
-            on:click=move |_| app.theme.update(|theme| *theme = theme.next())
-        >
-            {move || {
-                icon(
-                    match app.theme.get() {
-                        Theme::Auto => Icon::ThemeAuto,
-                        Theme::Light => Icon::ThemeLight,
-                        Theme::Dark => Icon::ThemeDark,
-                    },
-                )
-            }}
-        </button>
-        <button
-            type="button"
-            class="button quiet language"
-            data-test="language"
-            lang=move || app.language.get().other().tag()
-            aria-label=app.text(Language::switch_language_label)
-            on:click=move |_| app.language.update(|language| *language = language.other())
-        >
-            {app.text(Language::switch_language)}
-        </button>
-    }
-    .into_any()
+    bare("quiet square", "theme")
+        .live_attr("aria-label", text)
+        .live_attr("title", text)
+        .click(move || app.theme.update(|theme| *theme = theme.next()))
+        .live_one(move || {
+            Some(icon(match app.theme.get() {
+                Theme::Auto => Icon::ThemeAuto,
+                Theme::Light => Icon::ThemeLight,
+                Theme::Dark => Icon::ThemeDark,
+            }))
+        })
+}
+
+fn language_switch(app: &'static App) -> El {
+    button(app, "quiet language", "language", Language::switch_language)
+        .label(app, Language::switch_language_label)
+        .live_attr("lang", move || Some(app.language.get().other().tag().to_owned()))
+        .click(move || app.language.update(|language| *language = language.other()))
 }
 
 /// The port in use, else the one that would be used.

@@ -3,14 +3,16 @@
 mod reading;
 
 use buslens_codec::dissect::Direction;
-use buslens_codec::intake::IntakeFault;
+use buslens_codec::intake::{IntakeError, IntakeFault};
 use leptos::prelude::*;
+use wasm_bindgen::JsCast;
 
 use crate::anatomy::{Anatomy, Facts};
 use crate::app::App;
-use crate::components::bytes::byte_groups;
+use crate::components::button::{button, icon_button};
+use crate::components::bytes::{byte_groups, lights};
 use crate::components::icon::{Icon, icon};
-use crate::device::Device;
+use crate::dom::{self, El, el};
 use crate::format::hex_spaced;
 use crate::route::{self, Route};
 use crate::storage::kept;
@@ -48,9 +50,9 @@ impl Texts {
 }
 
 /// The page.
-pub(crate) fn decoder_page(app: &'static App) -> AnyView {
+pub(crate) fn decoder_page(app: &'static App) -> El {
     let texts = Texts { typed: kept("decoder", ""), previous: kept("decoder-previous", "") };
-    Effect::new(move |_| {
+    dom::react(move || {
         if let Route::Decoder { frames } = app.route.get()
             && !frames.is_empty()
         {
@@ -60,245 +62,158 @@ pub(crate) fn decoder_page(app: &'static App) -> AnyView {
     });
     let chosen = RwSignal::new(0_usize);
     let frames = Memo::new(move |_| {
-        let device: &'static Device = app.settings.device();
+        let device = app.settings.device();
         texts.typed.with(|text| read(app.language.get(), device.profile(), text))
     });
-    view! {
-        <div class="page decoder" data-test="page-decoder">
-            <h1 class="visually-hidden">{app.text(Language::decoder)}</h1>
-            {input_card(app, texts)}
-            {move || match frames.get() {
-                Err(error) => view! {
-                    <p class="parse-error" role="alert" data-test="decoder-error">
-                        {icon(Icon::Fault)}
-                        {error_text(app.language.get(), error)}
-                    </p>
-                }
-                .into_any(),
+    el("div")
+        .class("page decoder")
+        .test("page-decoder")
+        .child(el("h1").class("visually-hidden").say(app, Language::decoder))
+        .child(input_card(app, texts))
+        .live(move || {
+            frames.with(|frames| match frames {
+                Err(error) => vec![error_line(app.language.get(), *error)],
                 Ok(frames) if frames.is_empty() => {
-                    view! { <p class="empty-page">{app.text(Language::decoder_empty)}</p> }.into_any()
+                    vec![el("p").class("empty-page").say(app, Language::decoder_empty)]
                 }
-                Ok(frames) => {
-                    let last = frames.len() - 1;
-                    let shown = frames.clone();
-                    view! {
-                        {frame_list(app, frames, chosen)}
-                        {move || shown.get(chosen.get().min(last)).map(|frame| detail(app, frame))}
-                    }
-                    .into_any()
+                Ok(frames) => vec![frame_list(app, frames, chosen)],
+            })
+        })
+        .live_one(move || {
+            frames.with(|frames| {
+                let frames = frames.as_ref().ok()?;
+                frames.get(chosen.get().min(frames.len().checked_sub(1)?)).map(|frame| detail(app, frame))
+            })
+        })
+}
+
+fn input_card(app: &'static App, texts: Texts) -> El {
+    let restorable = Memo::new(move |_| texts.previous.with(|previous| !previous.is_empty()));
+    let restore = move || {
+        icon_button(app, "quiet small", "restore-text", Icon::Reset, Language::restore_text)
+            .click(move || texts.replace(texts.previous.get_untracked()))
+    };
+    let header = el("header")
+        .child(el("h2").say(app, Language::decoder_title))
+        .child(el("span").class("space"))
+        .live_one(move || restorable.get().then(restore));
+    let area = el("textarea")
+        .attr("id", "decoder-input")
+        .test("decoder-input")
+        .attr("rows", "4")
+        .attr("spellcheck", "false")
+        .attr("autocapitalize", "off")
+        .attr("autocomplete", "off")
+        .live_attr("placeholder", move || Some(app.language.get().decoder_placeholder().to_owned()))
+        .bind("input", texts.typed);
+    let examples = EXAMPLES.iter().map(|&(test, label, text)| {
+        button(app, "small", &["example-", test].concat(), label).click(move || texts.replace(text.to_owned()))
+    });
+    el("section")
+        .class("card input")
+        .child(header)
+        .child(el("label").class("visually-hidden").attr("for", "decoder-input").say(app, Language::decoder_input))
+        .child(area)
+        .child(el("footer").child(el("span").class("muted").say(app, Language::examples)).children(examples))
+}
+
+fn frame_list(app: &'static App, frames: &[Anatomy], chosen: RwSignal<usize>) -> El {
+    let last = frames.len().saturating_sub(1);
+    let rows = frames.iter().enumerate().map(|(number, frame)| {
+        let selected = move || chosen.get().min(last) == number;
+        el("tr")
+            .test("frame-row")
+            .attr("tabindex", "0")
+            .live_class("selected", selected)
+            .state("aria-selected", selected)
+            .click(move || chosen.set(number))
+            .on("keydown", move |event| {
+                let key = event.dyn_ref::<web_sys::KeyboardEvent>().map(web_sys::KeyboardEvent::key);
+                if key.is_some_and(|key| key == "Enter" || key == " ") {
+                    event.prevent_default();
+                    chosen.set(number);
                 }
-            }}
-        </div>
-    }
-    .into_any()
+            })
+            .children(row(app.language.get(), frame))
+    });
+    let heads = [
+        ("", Language::direction as Label),
+        ("number", Language::unit_short),
+        ("", Language::function),
+        ("", Language::meaning),
+        ("", Language::check),
+        ("", Language::bytes),
+    ];
+    let header = el("header")
+        .child(el("h2").say(app, Language::frames))
+        .child(el("span").class("muted").text(&frames.len().to_string()));
+    el("section").class("card").child(header).child(table(app, "frames", &heads, rows))
 }
 
-fn input_card(app: &'static App, texts: Texts) -> AnyView {
-    let examples: Vec<_> = EXAMPLES
-        .iter()
-        .map(|&(test, label, text)| {
-            view! {
-                <button
-                    type="button"
-                    class="button small"
-                    data-test=["example-", test].concat()
-                    on:click=move |_| texts.replace(text.to_owned())
-                >
-                    {app.text(label)}
-                </button>
-            }
-        })
-        .collect();
-    let restorable = move || texts.previous.with(|previous| !previous.is_empty());
-    view! {
-        <section class="card input">
-            <header>
-                <h2>{app.text(Language::decoder_title)}</h2>
-                <span class="space"></span>
-                <Show when=restorable>
-                    <button
-                        type="button"
-                        class="button quiet small"
-                        data-test="restore-text"
-                        on:click=move |_| texts.replace(texts.previous.get_untracked())
-                    >
-                        {icon(Icon::Reset)}
-                        {app.text(Language::restore_text)}
-                    </button>
-                </Show>
-            </header>
-            <label class="visually-hidden" for="decoder-input">
-                {app.text(Language::decoder_input)}
-            </label>
-            <textarea
-                id="decoder-input"
-                data-test="decoder-input"
-                rows="4"
-                spellcheck="false"
-                autocapitalize="off"
-                autocomplete="off"
-                placeholder=app.text(Language::decoder_placeholder)
-                prop:value=move || texts.typed.get()
-                on:input=move |event| texts.typed.set(event_target_value(&event))
-            ></textarea>
-            <footer>
-                <span class="muted">{app.text(Language::examples)}</span>
-                {examples}
-            </footer>
-        </section>
-    }
-    .into_any()
+/// A table that scrolls sideways where it does not fit.
+fn table(app: &'static App, class: &str, heads: &[(&str, Label)], rows: impl Iterator<Item = El>) -> El {
+    let heads = heads.iter().map(|&(class, text)| el("th").class(class).say(app, text));
+    let head = el("thead").child(el("tr").children(heads));
+    let table = el("table").class(class).child(head).child(el("tbody").children(rows));
+    el("div").class("scroll").child(table)
 }
 
-fn frame_list(app: &'static App, frames: Vec<Anatomy>, chosen: RwSignal<usize>) -> AnyView {
-    let last = frames.len() - 1;
-    let rows: Vec<_> = frames
-        .into_iter()
-        .enumerate()
-        .map(|(number, frame)| {
-            let selected = move || chosen.get().min(last) == number;
-            let bytes = hex_spaced(&frame.bytes);
-            let select = move || chosen.set(number);
-            view! {
-                <tr
-                    data-test="frame-row"
-                    class:selected=selected
-                    tabindex="0"
-                    aria-selected=move || selected().to_string()
-                    on:click=move |_| select()
-                    on:keydown=move |event| {
-                        if matches!(event.key().as_str(), "Enter" | " ") {
-                            event.prevent_default();
-                            select();
-                        }
-                    }
-                >
-                    {row(app.language.get(), &frame, bytes)}
-                </tr>
-            }
-        })
-        .collect();
-    view! {
-        <section class="card">
-            <header>
-                <h2>{app.text(Language::frames)}</h2>
-                <span class="muted">{last + 1}</span>
-            </header>
-            <div class="scroll">
-                <table class="frames">
-                    <thead>
-                        <tr>
-                            <th>{app.text(Language::direction)}</th>
-                            <th class="number">{app.text(Language::unit_short)}</th>
-                            <th>{app.text(Language::function)}</th>
-                            <th>{app.text(Language::meaning)}</th>
-                            <th>{app.text(Language::check)}</th>
-                            <th>{app.text(Language::bytes)}</th>
-                        </tr>
-                    </thead>
-                    <tbody>{rows}</tbody>
-                </table>
-            </div>
-        </section>
-    }
-    .into_any()
-}
-
-fn row(language: Language, frame: &Anatomy, bytes: String) -> AnyView {
-    let Some(Facts { direction, unit, function, meaning, check_ok, expected, .. }) = frame.facts.clone() else {
-        return view! {
-            <td></td>
-            <td></td>
-            <td></td>
-            <td class="muted">{language.no_frame()}</td>
-            <td>
-                <span class="tag">{language.noise()}</span>
-            </td>
-            <td class="mono">{bytes}</td>
-        }
-        .into_any();
+fn row(language: Language, frame: &Anatomy) -> Vec<El> {
+    let cell = |class: &str, text: &str| el("td").class(class).text(text);
+    let bytes = cell("mono", &hex_spaced(&frame.bytes));
+    let Some(Facts { direction, unit, function, meaning, check_ok, expected, .. }) = &frame.facts else {
+        let tag = el("span").class("tag").text(language.noise());
+        let empty = || el("td");
+        return vec![empty(), empty(), empty(), cell("muted", language.no_frame()), el("td").child(tag), bytes];
     };
     let (class, direction) = match direction {
         Direction::Request => ("direction tx", "TX"),
         Direction::Response => ("direction rx", "RX"),
-        Direction::Unknown => ("direction", language.unknown_direction()),
+        Direction::Unknown => ("direction", "?"),
     };
-    let check = if check_ok {
-        view! { <span class="tag ok">{language.check_ok()}</span> }.into_any()
+    let check = if *check_ok {
+        el("td").child(el("span").class("tag ok").text(language.check_ok()))
     } else {
-        view! {
-            <span class="tag bad">{language.check_bad()}</span>
-            <span class="expected">{language.check_expected(&expected)}</span>
-        }
-        .into_any()
+        el("td")
+            .child(el("span").class("tag bad").text(language.check_bad()))
+            .child(el("span").class("expected").text(&language.check_expected(expected)))
     };
-    view! {
-        <td class=class>{direction}</td>
-        <td class="number">{unit}</td>
-        <td>{function}</td>
-        <td>{meaning}</td>
-        <td>{check}</td>
-        <td class="mono">{bytes}</td>
-    }
-    .into_any()
+    vec![cell(class, direction), cell("number", &unit.to_string()), cell("", function), cell("", meaning), check, bytes]
 }
 
-fn detail(app: &'static App, frame: &Anatomy) -> AnyView {
+fn detail(app: &'static App, frame: &Anatomy) -> El {
     let lit = RwSignal::new(None);
-    let rows: Vec<_> = frame
-        .parts
-        .iter()
-        .enumerate()
-        .map(|(number, part)| {
-            let texts: Vec<String> = part.range.clone().map(|at| frame.byte_text(at)).collect();
-            view! {
-                <tr
-                    data-test="field-row"
-                    data-kind=part.kind
-                    class:lit=move || lit.get() == Some(number)
-                    tabindex="0"
-                    on:mouseenter=move |_| lit.set(Some(number))
-                    on:mouseleave=move |_| lit.set(None)
-                    on:focus=move |_| lit.set(Some(number))
-                    on:blur=move |_| lit.set(None)
-                >
-                    <td><i class="swatch"></i>{part.name.clone()}</td>
-                    <td class="mono">{texts.join(" ")}</td>
-                    <td class="part-value">{part.value.clone()}</td>
-                    <td class="muted">{part.meaning.clone()}</td>
-                </tr>
-            }
-        })
-        .collect();
-    let nameless = frame.facts.as_ref().is_some_and(|facts| facts.direction == Direction::Response)
-        && frame.parts.iter().any(|part| part.kind == "data" && part.name == app.language.get_untracked().register());
-    view! {
-        <section class="card detail">
-            <header>
-                <h2>{app.text(Language::selected_frame)}</h2>
-                <span class="muted hint">{app.text(Language::pick_a_frame)}</span>
-            </header>
-            {byte_groups(frame, lit)}
-            {nameless.then(|| view! { <p class="note-line">{icon(Icon::Info)}{app.text(Language::reply_needs_request)}</p> })}
-            <div class="scroll">
-                <table class="fields-table">
-                    <thead>
-                        <tr>
-                            <th>{app.text(Language::field)}</th>
-                            <th>{app.text(Language::bytes)}</th>
-                            <th>{app.text(Language::value)}</th>
-                            <th>{app.text(Language::meaning)}</th>
-                        </tr>
-                    </thead>
-                    <tbody>{rows}</tbody>
-                </table>
-            </div>
-        </section>
-    }
-    .into_any()
+    let rows = frame.parts.iter().enumerate().map(|(number, part)| {
+        let texts: Vec<String> = part.range.clone().map(|at| frame.byte_text(at)).collect();
+        let row = el("tr").test("field-row").attr("data-kind", part.kind);
+        lights(row, number, lit)
+            .child(el("td").child(el("i").class("swatch")).text(&part.name))
+            .child(el("td").class("mono").text(&texts.join(" ")))
+            .child(el("td").class("part-value").text(&part.value))
+            .child(el("td").class("muted").text(&part.meaning))
+    });
+    let heads = [("", Language::field as Label), ("", Language::bytes), ("", Language::value), ("", Language::meaning)];
+    let header = el("header")
+        .child(el("h2").say(app, Language::selected_frame))
+        .child(el("span").class("muted hint").say(app, Language::pick_a_frame));
+    let hint = || {
+        let text = el("span").say(app, Language::reply_needs_request);
+        el("p").class("note-line").child(icon(Icon::Info)).child(text)
+    };
+    el("section")
+        .class("card detail")
+        .child(header)
+        .child(byte_groups(frame, lit))
+        .children(frame.lacks_request().then(hint))
+        .child(table(app, "fields-table", &heads, rows))
 }
 
-fn error_text(language: Language, error: buslens_codec::intake::IntakeError) -> String {
+fn error_line(language: Language, error: IntakeError) -> El {
+    let line = el("p").class("parse-error").attr("role", "alert").test("decoder-error");
+    line.child(icon(Icon::Fault)).child(el("span").text(&error_text(language, error)))
+}
+
+fn error_text(language: Language, error: IntakeError) -> String {
     let what = match error.fault {
         IntakeFault::Unexpected(character) => language.unexpected_character(character),
         IntakeFault::OddDigits => language.odd_digits().to_owned(),

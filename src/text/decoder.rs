@@ -28,7 +28,6 @@ texts! {
     selected_frame => "Selected frame" | "所选报文";
     noise_meaning => "belongs to no frame" | "不属于任何报文";
     no_frame => "bytes without a frame" | "无法组成报文的字节";
-    unknown_direction => "?" | "?";
 
     field_start => "start" | "起始符";
     field_end => "end" | "结束符";

@@ -3,7 +3,6 @@
 use super::texts;
 
 texts! {
-    brand => "Buslens" | "Buslens";
     live => "Live" | "实时";
     decoder => "Decoder" | "解码";
     pages => "Pages" | "页面";
@@ -23,7 +22,7 @@ texts! {
     state_opening => "Opening port" | "正在打开串口";
     state_waiting => "Waiting for an answer" | "等待应答";
     state_reading => "Reading" | "正在读取";
-    state_failing => "No good answer" | "应答异常";
+    state_failing => "Reading fails" | "读取异常";
     state_lost => "Adapter unplugged" | "适配器已拔出";
     state_closing => "Closing port" | "正在关闭串口";
     state_failed => "Port did not open" | "串口打不开";

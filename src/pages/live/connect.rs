@@ -1,151 +1,123 @@
 //! Not connected: the card with the settings and one obvious next action, and beside it how the device is wired.
 
-use buslens_codec::line::Mode;
+use buslens_codec::line::{DataBits, Mode, StopBits};
 use leptos::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 
 use super::field::{Note, choice, field, number};
 use super::wiring::wiring;
 use crate::app::{App, Phase};
+use crate::components::button::{bare, button, icon_button};
 use crate::components::icon::{Icon, icon};
 use crate::device;
+use crate::dom::{self, El, el};
 use crate::format;
 use crate::link;
-use crate::message::{Source, ToEngine};
+use crate::message::{PortId, Source, ToEngine};
 use crate::ports;
 use crate::serial;
 use crate::settings::{BAUDS, FREE, Settings, demonstration, parity_name};
 use crate::text::Language;
 
 /// The card and the wiring beside it.
-pub(super) fn connect(app: &'static App) -> AnyView {
-    view! {
-        <div class="connect">
-            {card(app)}
-            {wiring(app)}
-        </div>
-    }
-    .into_any()
+pub(super) fn connect(app: &'static App) -> El {
+    el("div").class("connect").child(card(app)).child(wiring(app))
 }
 
-fn card(app: &'static App) -> AnyView {
+fn card(app: &'static App) -> El {
     let settings = &app.settings;
-    let opening = Memo::new(move |_| app.phase.get() == Phase::Opening);
-    let port = Memo::new(move |_| app.ports.with(|ports| settings.port.with(|wanted| ports::find(ports, wanted))));
-    let connection = Memo::new(move |_| settings.connection(Source::Serial(port.get()?)));
-    view! {
-        <form
-            class="card connect-card"
-            on:submit=move |event| {
-                event.prevent_default();
-                if let Some(connection) = connection.get_untracked() {
-                    app.connect(connection);
-                }
+    let factory = Memo::new(move |_| settings.is_factory());
+    let header = el("header")
+        .child(el("h2").say(app, Language::connect_title))
+        .child(el("span").class("space"))
+        .live_one(move || {
+            let reset = || icon_button(app, "quiet small", "reset-settings", Icon::Reset, Language::reset_to_defaults);
+            (!factory.get()).then(|| reset().click(move || settings.reset()))
+        });
+    let fieldset = el("fieldset")
+        .flag("disabled", move || is_opening(app))
+        .child(port_field(app))
+        .child(el("div").class("fields").children(fields(app)));
+    el("form")
+        .class("card connect-card")
+        .on("submit", move |event| {
+            event.prevent_default();
+            let connection = chosen_port(app).and_then(|port| settings.connection(Source::Serial(port)));
+            if let Some(connection) = connection {
+                app.connect(connection);
             }
-        >
-            <header>
-                <h2>{app.text(Language::connect_title)}</h2>
-                <span class="space"></span>
-                <Show when=move || !settings.is_factory()>
-                    <button
-                        type="button"
-                        class="button quiet small"
-                        data-test="reset-settings"
-                        on:click=move |_| settings.reset()
-                    >
-                        {icon(Icon::Reset)}
-                        {app.text(Language::reset_to_defaults)}
-                    </button>
-                </Show>
-            </header>
-            <fieldset disabled=move || opening.get()>
-                {port_field(app)}
-                <div class="fields">{fields(app)}</div>
-            </fieldset>
-            <footer>
-                <button
-                    type="submit"
-                    class="button large"
-                    class:primary=move || port.get().is_some()
-                    data-test="connect"
-                    disabled=move || opening.get() || connection.with(Option::is_none)
-                >
-                    {icon(Icon::Plug)}
-                    {move || {
-                        let language = app.language.get();
-                        if opening.get() { language.connecting() } else { language.connect() }
-                    }}
-                </button>
-                <button
-                    type="button"
-                    class="button large"
-                    class:primary=move || serial::missing().is_some()
-                    data-test="demo"
-                    title=app.text(Language::try_hint)
-                    disabled=move || opening.get()
-                    on:click=move |_| app.connect(demonstration(settings.device()))
-                >
-                    {app.text(Language::try_without_hardware)}
-                </button>
-            </footer>
-        </form>
-    }
-    .into_any()
+        })
+        .child(header)
+        .child(fieldset)
+        .child(actions(app))
 }
 
-fn port_field(app: &'static App) -> AnyView {
-    let chosen = app.settings.port;
-    let none = Memo::new(move |_| app.ports.with(Vec::is_empty));
-    let options = move || {
-        let language = app.language.get();
-        app.ports.with(|ports| {
-            let named = ports.iter().enumerate();
-            named.map(|(at, port)| (ports::key(ports, at), ports::title(language, ports, *port))).collect::<Vec<_>>()
+fn actions(app: &'static App) -> El {
+    let connect = bare("large", "connect")
+        .attr("type", "submit")
+        .live_class("primary", move || chosen_port(app).is_some())
+        .flag("disabled", move || {
+            let ready = chosen_port(app).and_then(|port| app.settings.connection(Source::Serial(port)));
+            is_opening(app) || ready.is_none()
         })
-    };
-    let select = view! {
-        <div class="port-row">
-            <select
-                id="port"
-                data-test="port"
-                aria-describedby="port-note"
-                disabled=move || none.get()
-                on:change=move |event| chosen.set(event_target_value(&event))
-            >
-                {move || {
-                    let selected = app.ports.with(|ports| {
-                        let port = chosen.with(|wanted| ports::find(ports, wanted))?;
-                        let at = ports.iter().position(|other| *other == port)?;
-                        Some(ports::key(ports, at))
-                    });
-                    let mut options = options();
-                    if options.is_empty() {
-                        options.push((String::new(), app.language.get().port_none().to_owned()));
-                    }
-                    options
-                        .into_iter()
-                        .map(|(key, label)| {
-                            let selected = selected.as_ref() == Some(&key);
-                            view! { <option value=key prop:selected=selected>{label}</option> }
-                        })
-                        .collect::<Vec<_>>()
-                }}
-            </select>
-            <button
-                type="button"
-                class="button"
-                class:primary=move || none.get() && serial::missing().is_none()
-                data-test="choose-port"
-                disabled=move || serial::missing().is_some()
-                on:click=move |_| choose_port(app)
-            >
-                {app.text(Language::choose_port)}
-            </button>
-        </div>
-    }
-    .into_any();
-    field("port", app.text(Language::port), select, move || {
-        none.get().then(|| Note::Hint(app.language.get().port_hint().to_owned()))
+        .child(icon(Icon::Plug))
+        .child(el("span").live_text(move || {
+            let language = app.language.get();
+            if is_opening(app) { language.connecting() } else { language.connect() }.to_owned()
+        }));
+    let demo = button(app, "large", "demo", Language::try_without_hardware)
+        .live_class("primary", || serial::missing().is_some())
+        .live_attr("title", move || Some(app.language.get().try_hint().to_owned()))
+        .flag("disabled", move || is_opening(app))
+        .click(move || app.connect(demonstration(app.settings.device())));
+    el("footer").child(connect).child(demo)
+}
+
+fn is_opening(app: &'static App) -> bool {
+    app.phase.get() == Phase::Opening
+}
+
+fn chosen_port(app: &'static App) -> Option<PortId> {
+    app.ports.with(|ports| app.settings.port.with(|wanted| ports::find(ports, wanted)))
+}
+
+fn port_field(app: &'static App) -> El {
+    let chosen = app.settings.port;
+    let none = move || app.ports.with(Vec::is_empty);
+    let select = el("select")
+        .attr("id", "port")
+        .test("port")
+        .attr("aria-describedby", "port-note")
+        .flag("disabled", none)
+        .live(move || {
+            let language = app.language.get();
+            app.ports.with(|ports| {
+                if ports.is_empty() {
+                    return vec![el("option").attr("value", "").text(language.port_none())];
+                }
+                let option = |(at, port): (usize, &PortId)| {
+                    let title = ports::title(language, ports, *port);
+                    el("option").attr("value", &ports::key(ports, at)).text(&title)
+                };
+                ports.iter().enumerate().map(option).collect()
+            })
+        })
+        .live_value(move || {
+            // New options forget what was chosen.
+            app.language.track();
+            app.ports.with(|ports| {
+                let port = chosen.with(|wanted| ports::find(ports, wanted));
+                let at = port.and_then(|port| ports.iter().position(|other| *other == port));
+                at.map(|at| ports::key(ports, at)).unwrap_or_default()
+            })
+        })
+        .on("change", move |event| chosen.set(dom::value(&event)));
+    let choose = button(app, "", "choose-port", Language::choose_port)
+        .live_class("primary", move || none() && serial::missing().is_none())
+        .flag("disabled", || serial::missing().is_some())
+        .click(move || choose_port(app));
+    field(app, "port", Language::port, el("div").class("port-row").child(select).child(choose), move || {
+        none().then(|| Note::Hint(app.language.get().port_hint().to_owned()))
     })
 }
 
@@ -166,14 +138,19 @@ fn choose_port(app: &'static App) {
     });
 }
 
-fn fields(app: &'static App) -> Vec<AnyView> {
+fn fields(app: &'static App) -> Vec<El> {
     let settings = &app.settings;
+    let free = Memo::new(move |_| settings.baud.with(|baud| baud == FREE));
     let ascii = Memo::new(move |_| settings.mode() == Mode::Ascii);
+    // Fields that come and go are held by a box without a box of its own.
+    let sometimes = |wanted: Memo<bool>, build: fn(&'static App) -> El| {
+        el("div").class("contents").live_one(move || wanted.get().then(|| build(app)))
+    };
     vec![
         device_field(app),
         unit_field(app),
         baud_field(app),
-        (move || (settings.baud.with(|baud| baud == FREE)).then(|| free_baud_field(app))).into_any(),
+        sometimes(free, free_baud_field),
         line_field(app, "parity", Language::parity, settings.parity, parities, |settings| {
             parity_name(settings.device().line().parity)
         }),
@@ -183,100 +160,99 @@ fn fields(app: &'static App) -> Vec<AnyView> {
             Language::stop_bits,
             settings.stop_bits,
             |_| plain(&["1", "2"]),
-            |settings| match settings.device().line().stop_bits {
-                buslens_codec::line::StopBits::One => "1",
-                buslens_codec::line::StopBits::Two => "2",
+            |settings| {
+                if settings.device().line().stop_bits == StopBits::Two { "2" } else { "1" }
             },
         ),
-        line_field(app, "mode", Language::mode, settings.mode, modes, |settings| match settings.device().mode() {
-            Mode::Rtu => "rtu",
-            Mode::Ascii => "ascii",
+        line_field(app, "mode", Language::mode, settings.mode, modes, |settings| {
+            if settings.device().mode() == Mode::Ascii { "ascii" } else { "rtu" }
         }),
-        (move || {
-            ascii.get().then(|| {
-                line_field(
-                    app,
-                    "data-bits",
-                    Language::data_bits,
-                    settings.data_bits,
-                    |_| plain(&["8", "7"]),
-                    |settings| match settings.device().line().data_bits {
-                        buslens_codec::line::DataBits::Seven => "7",
-                        buslens_codec::line::DataBits::Eight => "8",
-                    },
-                )
-            })
-        })
-        .into_any(),
+        sometimes(ascii, data_bits_field),
         period_field(app),
     ]
 }
 
-fn device_field(app: &'static App) -> AnyView {
+fn device_field(app: &'static App) -> El {
     let settings = &app.settings;
-    let options = move || {
-        let language = app.language.get();
-        device::all().iter().map(|device| (device.id().to_owned(), device.name(language).to_owned())).collect()
-    };
     // Another device means other factory settings.
-    Effect::new(move |before: Option<String>| {
+    let mut before = None;
+    dom::react(move || {
         let now = settings.device.get();
-        if before.is_some_and(|before| before != now) {
+        if before.replace(now.clone()).is_some_and(|before| before != now) {
             settings.reset();
         }
-        now
     });
-    let select = choice("profile", "profile", settings.device, options);
-    view! { <div class="wide">{field("profile", app.text(Language::device), select, || None)}</div> }.into_any()
+    let select = choice("profile", settings.device, move || {
+        let language = app.language.get();
+        device::all().iter().map(|device| (device.id().to_owned(), device.name(language).to_owned())).collect()
+    });
+    el("div").class("wide").child(field(app, "profile", Language::device, select, || None))
 }
 
-fn unit_field(app: &'static App) -> AnyView {
+fn unit_field(app: &'static App) -> El {
     let settings = &app.settings;
-    let wrong = move || settings.unit().is_none();
-    field("unit", app.text(Language::unit), number("unit", "unit", settings.unit, "", wrong), move || {
+    let input = number("unit", settings.unit, "", move || settings.unit().is_none());
+    field(app, "unit", Language::unit, input, move || {
         let language = app.language.get();
-        match settings.unit() {
-            None => Some(Note::Wrong(language.invalid_unit().to_owned())),
-            Some(0) => Some(Note::Warning(language.unit_broadcast().to_owned())),
-            Some(248..) => Some(Note::Warning(language.unit_reserved().to_owned())),
-            Some(_) => Some(Note::Hint(language.unit_printed().to_owned())),
-        }
+        Some(match settings.unit() {
+            None => Note::Wrong(language.invalid_unit().to_owned()),
+            Some(0) => Note::Warning(language.unit_broadcast().to_owned()),
+            Some(248..) => Note::Warning(language.unit_reserved().to_owned()),
+            Some(_) => Note::Hint(language.unit_printed().to_owned()),
+        })
     })
 }
 
-fn baud_field(app: &'static App) -> AnyView {
+fn baud_field(app: &'static App) -> El {
     let settings = &app.settings;
-    let options = move || {
-        let listed = BAUDS.iter().map(|baud| (baud.to_string(), baud.to_string()));
+    let factory = move || settings.device().line().baud;
+    let select = choice("baud", settings.baud, move || {
+        let mut bauds = BAUDS.to_vec();
+        if !bauds.contains(&factory()) {
+            bauds.insert(0, factory());
+        }
+        let listed = bauds.iter().map(|baud| (baud.to_string(), baud.to_string()));
         listed.chain([(FREE.to_owned(), app.language.get().baud_other().to_owned())]).collect()
-    };
-    let select = choice("baud", "baud", settings.baud, options);
-    field("baud", app.text(Language::baud), select, move || {
-        let factory = settings.device().line().baud.to_string();
+    });
+    field(app, "baud", Language::baud, select, move || {
+        let factory = factory().to_string();
         Some(factory_note(app, settings.baud.with(|baud| *baud == factory), &factory))
     })
 }
 
-fn free_baud_field(app: &'static App) -> AnyView {
+fn free_baud_field(app: &'static App) -> El {
     let settings = &app.settings;
     let wrong = move || settings.baud().is_none();
-    let input = number("baud-free", "baud-free", settings.free_baud, "Bd", wrong);
-    field("baud-free", app.text(Language::baud_free), input, move || {
+    field(app, "baud-free", Language::baud_free, number("baud-free", settings.free_baud, "Bd", wrong), move || {
         wrong().then(|| Note::Wrong(app.language.get().invalid_baud().to_owned()))
     })
 }
 
-/// A field whose few values have factory settings. `test` is also its id.
+fn data_bits_field(app: &'static App) -> El {
+    let value = app.settings.data_bits;
+    line_field(
+        app,
+        "data-bits",
+        Language::data_bits,
+        value,
+        |_| plain(&["8", "7"]),
+        |settings| {
+            if settings.device().line().data_bits == DataBits::Seven { "7" } else { "8" }
+        },
+    )
+}
+
+/// A field whose few values have a factory setting among them.
 fn line_field(
     app: &'static App,
-    test: &'static str,
+    id: &'static str,
     label: fn(Language) -> &'static str,
     value: RwSignal<String>,
     options: fn(Language) -> Vec<(String, String)>,
     factory: fn(&Settings) -> &'static str,
-) -> AnyView {
-    let select = choice(test, test, value, move || options(app.language.get()));
-    field(test, app.text(label), select, move || {
+) -> El {
+    let select = choice(id, value, move || options(app.language.get()));
+    field(app, id, label, select, move || {
         let factory = factory(&app.settings);
         let named = options(app.language.get()).into_iter().find(|(key, _)| key == factory);
         let named = named.map(|(_, label)| label).unwrap_or_default();
@@ -284,11 +260,10 @@ fn line_field(
     })
 }
 
-fn period_field(app: &'static App) -> AnyView {
+fn period_field(app: &'static App) -> El {
     let settings = &app.settings;
-    let wrong = move || settings.period_ms().is_none();
-    let input = number("period", "period", settings.period, "ms", wrong);
-    field("period", app.text(Language::period), input, move || {
+    let input = number("period", settings.period, "ms", move || settings.period_ms().is_none());
+    field(app, "period", Language::period, input, move || {
         let language = app.language.get();
         let least = settings.device().least_period_ms();
         Some(match settings.period_ms() {

@@ -1,59 +1,49 @@
 //! The connection in numbers.
 
+use buslens_bus::Counters;
 use leptos::prelude::*;
 
 use crate::app::{App, Phase};
+use crate::dom::{El, el};
 use crate::format;
 use crate::text::Language;
-use buslens_bus::Counters;
+
+/// A text of the page, the name for the tests, the count; all but the first are trouble.
+type Row = (fn(Language) -> &'static str, &'static str, fn(&Counters) -> u64);
+
+const ROWS: [Row; 7] = [
+    (Language::replies, "count-replies", |counters| counters.replies),
+    (Language::no_answers, "count-no-answers", |counters| counters.no_answers),
+    (Language::bad_checks, "count-bad-checks", |counters| counters.bad_checks),
+    (Language::exceptions, "count-exceptions", |counters| counters.exceptions),
+    (Language::late_replies, "count-late", |counters| counters.late_replies),
+    (Language::noise_bytes, "count-noise", |counters| counters.noise_bytes),
+    (Language::line_errors, "count-line-errors", |counters| counters.line_errors),
+];
 
 /// The card with state, counts, rate and round trip.
-pub(super) fn counts(app: &'static App) -> AnyView {
-    let counters = Memo::new(move |_| app.status.with(|status| status.counters));
-    let row = move |label: fn(Language) -> &'static str, test: &'static str, bad: bool, pick: fn(&Counters) -> u64| {
-        let value = Memo::new(move |_| counters.with(pick));
-        view! {
-            <div class:notable=move || { bad && value.get() > 0 }>
-                <dt>{app.text(label)}</dt>
-                <dd data-test=test>{move || format::count(value.get())}</dd>
-            </div>
-        }
-        .into_any()
-    };
-    view! {
-        <section class="card counts">
-            <header>
-                <h2>{app.text(Language::connection)}</h2>
-                <span class="space"></span>
-                <span class="tag" data-state=move || app.phase.get().name()>
-                    {move || app.phase.get().title(app.language.get())}
-                </span>
-            </header>
-            <dl>
-                {row(Language::replies, "count-replies", false, |counters| counters.replies)}
-                {row(Language::no_answers, "count-no-answers", true, |counters| counters.no_answers)}
-                {row(Language::bad_checks, "count-bad-checks", true, |counters| counters.bad_checks)}
-                {row(Language::exceptions, "count-exceptions", true, |counters| counters.exceptions)}
-                {row(Language::late_replies, "count-late", true, |counters| counters.late_replies)}
-                {row(Language::noise_bytes, "count-noise", true, |counters| counters.noise_bytes)}
-                {row(Language::line_errors, "count-line-errors", true, |counters| counters.line_errors)}
-                <div>
-                    <dt>{app.text(Language::rate)}</dt>
-                    <dd data-test="rate">{move || rate_text(app)}</dd>
-                </div>
-                <div>
-                    <dt>{app.text(Language::round_trip_time)}</dt>
-                    <dd>
-                        {move || {
-                            let known = app.status.with(|status| status.round_trip_us);
-                            known.map_or_else(|| "\u{2013}".to_owned(), format::milliseconds)
-                        }}
-                    </dd>
-                </div>
-            </dl>
-        </section>
-    }
-    .into_any()
+pub(super) fn counts(app: &'static App) -> El {
+    let phase = el("span")
+        .class("tag")
+        .live_attr("data-state", || Some(app.phase.get().name().to_owned()))
+        .live_text(|| app.phase.get().title(app.language.get()).to_owned());
+    let header =
+        el("header").child(el("h2").say(app, Language::connection)).child(el("span").class("space")).child(phase);
+    let counted = ROWS.iter().enumerate().map(|(at, &(label, test, count))| {
+        let count = move || app.status.with(|status| count(&status.counters));
+        el("div")
+            .live_class("notable", move || at > 0 && count() > 0)
+            .child(el("dt").say(app, label))
+            .child(el("dd").test(test).live_text(move || format::count(count())))
+    });
+    let rate = el("div")
+        .child(el("dt").say(app, Language::rate))
+        .child(el("dd").test("rate").live_text(move || rate_text(app)));
+    let trip = el("div").child(el("dt").say(app, Language::round_trip_time)).child(el("dd").live_text(move || {
+        let known = app.status.with(|status| status.round_trip_us);
+        known.map_or_else(|| "\u{2013}".to_owned(), format::milliseconds)
+    }));
+    el("section").class("card counts").child(header).child(el("dl").children(counted).child(rate).child(trip))
 }
 
 /// `10 / 9.8 Hz`; a dash for a rate that is not known now.

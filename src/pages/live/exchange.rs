@@ -2,59 +2,49 @@
 
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
+use buslens_codec::pdu::Request;
 use leptos::prelude::*;
 
 use crate::anatomy::{Anatomy, request_in};
 use crate::app::App;
 use crate::components::bytes::byte_groups;
 use crate::components::icon::{Icon, icon};
+use crate::dom::{El, el};
 use crate::message::Frames;
 use crate::route::decoder_link;
 use crate::text::Language;
 
 /// The card with request and reply.
-pub(super) fn last_exchange(app: &'static App) -> AnyView {
+pub(super) fn last_exchange(app: &'static App) -> El {
     let frames = Memo::new(move |_| app.status.with(|status| status.exchange.clone().unwrap_or_default()));
-    view! {
-        <section class="card exchange">
-            <header>
-                <h2>{app.text(Language::last_exchange)}</h2>
-                <span class="space"></span>
-                <a
-                    class="button quiet small"
-                    data-test="open-in-decoder"
-                    href=move || frames.with(|frames| decoder_link(&[&frames.sent, &frames.received]))
-                >
-                    {app.text(Language::open_in_decoder)}
-                    {icon(Icon::Go)}
-                </a>
-            </header>
-            {move || halves(app, &frames.get())}
-        </section>
-    }
-    .into_any()
+    let open = el("a")
+        .class("button quiet small")
+        .test("open-in-decoder")
+        .live_attr("href", move || Some(frames.with(|frames| decoder_link(&[&frames.sent, &frames.received]))))
+        .child(el("span").say(app, Language::open_in_decoder))
+        .child(icon(Icon::Go));
+    let header =
+        el("header").child(el("h2").say(app, Language::last_exchange)).child(el("span").class("space")).child(open);
+    el("section").class("card exchange").child(header).live(move || frames.with(|frames| halves(app, frames)))
 }
 
-fn halves(app: &'static App, frames: &Frames) -> AnyView {
+fn halves(app: &'static App, frames: &Frames) -> Vec<El> {
     let language = app.language.get();
     let profile = app.settings.device().profile();
     let mode = app.connection.with(|used| used.as_ref().map_or(Mode::Rtu, |used| used.mode));
     let request = request_in(&frames.sent, mode).map(|(_, request)| request);
-    let bytes = |bytes: &[u8], direction, request: Option<_>, empty: &'static str| {
-        if bytes.is_empty() {
-            return view! { <p class="empty">{empty}</p> }.into_any();
-        }
-        byte_groups(&Anatomy::of(language, profile, bytes, mode, direction, request), RwSignal::new(None))
+    let half = |class, name, bytes: &[u8], direction, request: Option<&Request>, empty| {
+        let shown = if bytes.is_empty() {
+            el("p").class("empty").text(empty)
+        } else {
+            let anatomy = Anatomy::of(language, profile, bytes, mode, direction, request);
+            byte_groups(&anatomy, RwSignal::new(None))
+        };
+        el("div").class("half").child(el("span").class(class).text(name)).child(shown)
     };
-    view! {
-        <div class="half">
-            <span class="direction tx">"TX"</span>
-            {bytes(&frames.sent, Direction::Request, None, language.nothing_sent())}
-        </div>
-        <div class="half">
-            <span class="direction rx">"RX"</span>
-            {bytes(&frames.received, Direction::Response, request.as_ref(), language.nothing_received())}
-        </div>
-    }
-    .into_any()
+    let (nothing_sent, nothing_received) = (language.nothing_sent(), language.nothing_received());
+    vec![
+        half("direction tx", "TX", &frames.sent, Direction::Request, None, nothing_sent),
+        half("direction rx", "RX", &frames.received, Direction::Response, request.as_ref(), nothing_received),
+    ]
 }

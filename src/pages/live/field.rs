@@ -1,24 +1,39 @@
 //! A labelled field of the connection card: control, hint, and what is wrong with it.
 
+use std::rc::Rc;
+
 use leptos::prelude::*;
 
-/// One field. `note` is a hint, `wrong` an error that replaces it; both are tied to the control by `id`.
+use crate::app::App;
+use crate::dom::{El, el};
+use crate::text::Language;
+
+/// One field with its note, which is tied to the control by `id`.
 pub(super) fn field(
+    app: &'static App,
     id: &'static str,
-    label: impl Fn() -> &'static str + Copy + Send + Sync + 'static,
-    control: AnyView,
-    note: impl Fn() -> Option<Note> + Copy + Send + Sync + 'static,
-) -> AnyView {
-    view! {
-        <div class="field">
-            <label for=id>{label}</label>
-            {control}
-            <p class="note" id=[id, "-note"].concat() data-kind=move || note().map(|note| note.kind())>
-                {move || note().map(Note::text)}
-            </p>
-        </div>
-    }
-    .into_any()
+    label: fn(Language) -> &'static str,
+    control: El,
+    note: impl Fn() -> Option<Note> + 'static,
+) -> El {
+    field_boxed(app, id, label, control, Rc::new(note))
+}
+
+fn field_boxed(
+    app: &'static App,
+    id: &'static str,
+    label: fn(Language) -> &'static str,
+    control: El,
+    note: Rc<dyn Fn() -> Option<Note>>,
+) -> El {
+    let kind = Rc::clone(&note);
+    el("div").class("field").child(el("label").attr("for", id).say(app, label)).child(control).child(
+        el("p")
+            .class("note")
+            .attr("id", &note_id(id))
+            .live_attr("data-kind", move || kind().map(|note| note.kind().to_owned()))
+            .live_text(move || note().map(Note::text).unwrap_or_default()),
+    )
 }
 
 /// What stands under a field.
@@ -50,56 +65,46 @@ impl Note {
 /// A list to choose from, bound to a signal. `options` are values with their labels.
 pub(super) fn choice(
     id: &'static str,
-    test: &'static str,
     value: RwSignal<String>,
-    options: impl Fn() -> Vec<(String, String)> + Copy + Send + Sync + 'static,
-) -> AnyView {
-    view! {
-        <select
-            id=id
-            data-test=test
-            aria-describedby=[id, "-note"].concat()
-            on:change=move |event| value.set(event_target_value(&event))
-        >
-            {move || {
-                let chosen = value.get();
-                options()
-                    .into_iter()
-                    .map(|(key, label)| {
-                        let selected = key == chosen;
-                        view! { <option value=key prop:selected=selected>{label}</option> }
-                    })
-                    .collect::<Vec<_>>()
-            }}
-        </select>
-    }
-    .into_any()
+    mut options: impl FnMut() -> Vec<(String, String)> + 'static,
+) -> El {
+    let shown = RwSignal::new(0_u32);
+    el("select")
+        .attr("id", id)
+        .test(id)
+        .attr("aria-describedby", &note_id(id))
+        .live(move || {
+            shown.update(|turn| *turn = turn.wrapping_add(1));
+            options().into_iter().map(|(key, label)| el("option").attr("value", &key).text(&label)).collect()
+        })
+        .live_value(move || {
+            // New options forget what was chosen.
+            shown.track();
+            value.get()
+        })
+        .on("change", move |event| value.set(crate::dom::value(&event)))
 }
 
 /// A number to type, bound to a signal.
 pub(super) fn number(
     id: &'static str,
-    test: &'static str,
     value: RwSignal<String>,
-    unit: &'static str,
-    wrong: impl Fn() -> bool + Copy + Send + Sync + 'static,
-) -> AnyView {
-    view! {
-        <span class="number">
-            <input
-                id=id
-                data-test=test
-                type="text"
-                inputmode="numeric"
-                autocomplete="off"
-                spellcheck="false"
-                aria-describedby=[id, "-note"].concat()
-                aria-invalid=move || wrong().then_some("true")
-                    prop:value=move || value.get()
-                on:input=move |event| value.set(event_target_value(&event))
-            />
-            <span class="suffix">{unit}</span>
-        </span>
-    }
-    .into_any()
+    unit: &str,
+    is_wrong: impl Fn() -> bool + 'static,
+) -> El {
+    let input = el("input")
+        .attr("id", id)
+        .test(id)
+        .attr("type", "text")
+        .attr("inputmode", "numeric")
+        .attr("autocomplete", "off")
+        .attr("spellcheck", "false")
+        .attr("aria-describedby", &note_id(id))
+        .live_attr("aria-invalid", move || is_wrong().then(|| "true".to_owned()))
+        .bind("input", value);
+    el("span").class("with-suffix").child(input).child(el("span").class("suffix").text(unit))
+}
+
+fn note_id(id: &str) -> String {
+    [id, "-note"].concat()
 }

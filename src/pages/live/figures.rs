@@ -4,92 +4,69 @@ use buslens_codec::profile::Point;
 use leptos::prelude::*;
 
 use crate::app::{App, Phase};
-use crate::components::icon::{Icon, icon};
+use crate::components::button::icon_button;
+use crate::components::icon::Icon;
 use crate::device;
+use crate::dom::{El, el};
 use crate::format::fixed;
 use crate::history::Statistics;
 use crate::text::Language;
 
 /// The card with all measurements of the device, the primary one largest.
-pub(super) fn figures(app: &'static App) -> AnyView {
+pub(super) fn figures(app: &'static App) -> El {
     let device = app.settings.device();
-    let figures: Vec<_> = device.measurements().into_iter().map(|point| figure(app, point)).collect();
-    view! {
-        <section class="card figures" data-stale=move || (app.phase.get() != Phase::Reading).to_string()>
-            <header>
-                <h2>{move || device.name(app.language.get())}</h2>
-                <span class="muted">{move || unit_text(app)}</span>
-                <span class="space"></span>
-                <button
-                    type="button"
-                    class="button quiet small"
-                    data-test="reset-statistics"
-                    title=app.text(Language::statistics_since)
-                    on:click=move |_| app.reset_statistics()
-                >
-                    {icon(Icon::Reset)}
-                    {app.text(Language::reset_statistics)}
-                </button>
-            </header>
-            <div class="figure-row">{figures}</div>
-        </section>
-    }
-    .into_any()
+    let reset = icon_button(app, "quiet small", "reset-statistics", Icon::Reset, Language::reset_statistics)
+        .live_attr("title", move || Some(app.language.get().statistics_since().to_owned()))
+        .click(move || app.reset_statistics());
+    let header = el("header")
+        .child(el("h2").live_text(move || device.name(app.language.get()).to_owned()))
+        .child(el("span").class("muted").live_text(move || {
+            let unit = app.connection.with(|used| used.as_ref().map(|used| used.unit.0));
+            unit.map(|unit| app.language.get().unit_id(unit)).unwrap_or_default()
+        }))
+        .child(el("span").class("space"))
+        .child(reset);
+    let all = device.measurements().into_iter().map(|point| figure(app, point));
+    el("section").class("card figures").child(header).child(el("div").class("figure-row").children(all))
 }
 
-fn unit_text(app: &'static App) -> Option<String> {
-    app.connection.with(|connection| connection.as_ref().map(|used| app.language.get().unit_id(used.unit.0)))
-}
-
-fn figure(app: &'static App, point: &'static Point) -> AnyView {
-    let value = Memo::new(move |_| {
-        app.status.with(|status| {
-            let reading = status.readings.iter().find(|reading| reading.point == point.id)?;
-            Some((device::value_text(app.language.get(), point, reading.value), device::decimals(reading.value)))
-        })
+fn figure(app: &'static App, point: &'static Point) -> El {
+    let stale = move || app.phase.get() != Phase::Reading;
+    let value = el("span").class("value").test("value").live_text(move || {
+        let value = app.status.with(|status| device::reading(status, &point.id));
+        value.map_or_else(|| "\u{2013}".to_owned(), |value| device::value_text(app.language.get(), point, value))
     });
-    let stale = Memo::new(move |_| app.phase.get() != Phase::Reading);
-    let statistics = Memo::new(move |_| {
+    let reading = el("p").class("reading").child(value).child(el("span").class("unit").test("unit").text(&point.unit));
+    let age = el("p").class("age").live_text(move || if stale() { age_text(app, point) } else { String::new() });
+    let statistics = el("dl")
+        .class("statistics")
+        .child(statistic(app, point, Language::minimum, |statistics| statistics.min))
+        .child(statistic(app, point, Language::maximum, |statistics| statistics.max))
+        .child(statistic(app, point, Language::mean, |statistics| statistics.mean));
+    el("div")
+        .class(if point.primary { "figure primary" } else { "figure" })
+        .test(&["point-", &point.id].concat())
+        .state("data-stale", stale)
+        .child(el("h3").live_text(move || device::pick(app.language.get(), &point.name).to_owned()))
+        .child(reading)
+        .child(age)
+        .child(statistics)
+}
+
+fn statistic(
+    app: &'static App,
+    point: &'static Point,
+    label: fn(Language) -> &'static str,
+    pick: fn(&Statistics) -> f64,
+) -> El {
+    let text = move || {
         app.history_turn.track();
-        app.history.with_value(|history| history.of(&point.id)?.statistics())
-    });
-    let decimals = Memo::new(move |_| value.with(|value| value.as_ref().map_or(0, |(_, decimals)| *decimals)));
-    let statistic = move |label: fn(Language) -> &'static str, pick: fn(&Statistics) -> f64| {
-        view! {
-            <div>
-                <dt>{app.text(label)}</dt>
-                <dd>
-                    {move || {
-                        let shown = statistics.get().map(|statistics| fixed(pick(&statistics), decimals.get()));
-                        shown.unwrap_or_else(|| "\u{2013}".to_owned())
-                    }}
-                </dd>
-            </div>
-        }
+        let statistics = app.history.with_value(|history| history.of(&point.id)?.statistics());
+        let decimals =
+            app.status.with_untracked(|status| device::reading(status, &point.id)).map_or(0, device::decimals);
+        statistics.map_or_else(|| "\u{2013}".to_owned(), |statistics| fixed(pick(&statistics), decimals))
     };
-    view! {
-        <div
-            class="figure"
-            class:primary=point.primary
-            data-test=["point-", &point.id].concat()
-            data-stale=move || stale.get().to_string()
-        >
-            <h3>{move || device::pick(app.language.get(), &point.name).to_owned()}</h3>
-            <p class="reading">
-                <span class="value" data-test="value">
-                    {move || value.get().map_or_else(|| "\u{2013}".to_owned(), |(text, _)| text)}
-                </span>
-                <span class="unit" data-test="unit">{point.unit.clone()}</span>
-            </p>
-            <p class="age">{move || if stale.get() { age_text(app, point) } else { String::new() }}</p>
-            <dl class="statistics">
-                {statistic(Language::minimum, |statistics| statistics.min)}
-                {statistic(Language::maximum, |statistics| statistics.max)}
-                {statistic(Language::mean, |statistics| statistics.mean)}
-            </dl>
-        </div>
-    }
-    .into_any()
+    el("div").child(el("dt").say(app, label)).child(el("dd").live_text(text))
 }
 
 /// How old the last reading is. Follows the clock.

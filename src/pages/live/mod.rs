@@ -14,12 +14,14 @@ use leptos::prelude::*;
 use crate::app::{App, Phase};
 use crate::components::alert::{Fault, fault_panel};
 use crate::components::shell::port_name;
+use crate::dom::{El, el};
 use crate::message::{Health, Link};
+use crate::serial;
 use crate::text::Language;
 use faults::Facts;
 
 /// The page.
-pub(crate) fn live_page(app: &'static App) -> AnyView {
+pub(crate) fn live_page(app: &'static App) -> El {
     let fault = Memo::new(move |_| fault(app));
     // An attempt that fails stays on the card; a port that was lost and is opened again stays on the readings.
     let session = Memo::new(move |before: Option<&bool>| match app.phase.get() {
@@ -27,40 +29,35 @@ pub(crate) fn live_page(app: &'static App) -> AnyView {
         Phase::Opening => before.copied().unwrap_or(false),
         Phase::Waiting | Phase::Reading | Phase::Failing | Phase::Lost | Phase::Closing => true,
     });
-    view! {
-        <div class="page live" data-test="page-live">
-            <h1 class="visually-hidden">{app.text(Language::live)}</h1>
-            {fault_panel(app, fault)}
-            {move || if session.get() { session_view(app) } else { connect::connect(app) }}
-        </div>
-    }
-    .into_any()
+    el("div")
+        .class("page live")
+        .test("page-live")
+        .child(el("h1").class("visually-hidden").say(app, Language::live))
+        .live_one(move || fault.with(|fault| fault.as_ref().map(|fault| fault_panel(app, fault))))
+        .live_one(move || Some(if session.get() { session_view(app) } else { connect::connect(app) }))
 }
 
-fn session_view(app: &'static App) -> AnyView {
-    view! {
-        <div class="session">
-            {figures::figures(app)}
-            {counters::counts(app)}
-            {trend_strip::trend_strip(app)}
-            {exchange::last_exchange(app)}
-        </div>
-    }
-    .into_any()
+fn session_view(app: &'static App) -> El {
+    el("div")
+        .class("session")
+        .child(figures::figures(app))
+        .child(counters::counts(app))
+        .child(trend_strip::trend_strip(app))
+        .child(exchange::last_exchange(app))
 }
 
 /// The one fault to tell: the link's, else the device's, else the picker's, else the missing of serial ports.
 fn fault(app: &'static App) -> Option<Fault> {
     let language = app.language.get();
     let facts = || Facts::of(app, port_name(app));
-    match (app.link.get(), app.health.get()) {
-        (Link::Failed(fault), _) => Some(faults::open(language, &fault, &facts())),
+    app.status.with(|status| match (&status.link, &status.health) {
+        (Link::Failed(fault), _) => Some(faults::open(language, fault, &facts())),
         (Link::Lost, _) => Some(faults::lost(language, &facts())),
-        (Link::Open, Health::Failing(trouble)) => Some(faults::trouble(language, &trouble, &facts())),
+        (Link::Open, Health::Failing(trouble)) => Some(faults::trouble(language, trouble, &facts())),
         (Link::Closed, _) => match app.pick_fault.get() {
             Some(fault) => Some(faults::pick(language, &fault)),
-            None => crate::serial::missing().map(|missing| faults::missing(language, missing)),
+            None => serial::missing().map(|missing| faults::missing(language, missing)),
         },
         _ => None,
-    }
+    })
 }

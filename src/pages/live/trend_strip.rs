@@ -1,10 +1,11 @@
 //! The last minute as a moving curve. Drawn anew at each tick of the page's clock, never oftener.
 
-use leptos::html::Div;
+use buslens_codec::profile::Point;
 use leptos::prelude::*;
 
 use crate::app::App;
 use crate::device;
+use crate::dom::{El, el, svg};
 use crate::history::{SPAN_S, Series};
 use crate::text::Language;
 use crate::trend::{self, Frame, Scale, pixel};
@@ -17,7 +18,6 @@ const TOP: f64 = 14.0;
 const BOTTOM: f64 = 26.0;
 
 /// What the strip shows at one moment.
-#[derive(Clone, Default, PartialEq)]
 struct Picture {
     view_box: String,
     /// Height and label of each line of the scale.
@@ -30,63 +30,49 @@ struct Picture {
 }
 
 /// The card with the curve of one point.
-pub(super) fn trend_strip(app: &'static App) -> AnyView {
+pub(super) fn trend_strip(app: &'static App) -> El {
     let points = app.settings.device().measurements();
     let chosen = RwSignal::new(0_usize);
-    let area = NodeRef::<Div>::new();
-    let point = {
-        let points = points.clone();
-        move || points.get(chosen.get()).copied()
-    };
-    let drawn = point.clone();
-    let picture = Memo::new(move |_| {
-        app.clock_turn.track();
-        let area = area.get()?;
-        let size = (f64::from(area.client_width()), f64::from(area.client_height()));
-        let point = drawn()?;
-        let gap_s = app.connection.with(|used| used.as_ref().map_or(1.0, |used| f64::from(used.period_ms) * 0.003));
-        let now_s = app.engine_seconds()?;
-        let decimals = app.status.with_untracked(|status| {
-            let reading = status.readings.iter().find(|reading| reading.point == point.id);
-            reading.map_or(0, |reading| device::decimals(reading.value))
-        });
-        let strip = Strip { size, now_s, gap_s: gap_s.max(1.0), decimals };
-        app.history.with_value(|history| Some(draw(history.of(&point.id)?, &strip)))
+    let names = points.iter().copied().enumerate().map(|(at, point)| {
+        el("button")
+            .attr("type", "button")
+            .state("aria-pressed", move || chosen.get() == at)
+            .live_text(move || device::pick(app.language.get(), &point.name).to_owned())
+            .click(move || chosen.set(at))
     });
-    let named = point.clone();
-    let label = move || {
-        let language = app.language.get();
-        language.trend_label(named().map_or("", |point| device::pick(language, &point.name)))
-    };
-    let tabs: Vec<_> = points
-        .iter()
-        .copied()
-        .enumerate()
-        .map(|(at, point)| {
-            view! {
-                <button type="button" aria-pressed=move || (chosen.get() == at).to_string() on:click=move |_| chosen.set(at)>
-                    {move || device::pick(app.language.get(), &point.name).to_owned()}
-                </button>
-            }
+    let tabs = el("div").class(if points.len() < 2 { "tabs hidden" } else { "tabs" }).children(names);
+    let point = move || points.get(chosen.get()).copied();
+    let unit = point.clone();
+    let header = el("header")
+        .child(el("h2").say(app, Language::last_minute))
+        .child(el("span").class("muted").live_text(move || unit().map(|point| point.unit.clone()).unwrap_or_default()))
+        .child(el("span").class("space"))
+        .child(tabs);
+    // The size is known only once the strip is on the page.
+    let size = RwSignal::new((0.0, 0.0));
+    let strip = el("div")
+        .class("strip")
+        .live_one(move || {
+            app.clock_turn.track();
+            let language = app.language.get();
+            let drawn = point().and_then(|point| Some((point, picture(app, point, size.get_untracked())?)));
+            Some(match drawn {
+                Some((point, picture)) => curve(language, picture, device::pick(language, &point.name)),
+                None => el("p").class("empty").text(language.trend_waiting()),
+            })
         })
-        .collect();
-    view! {
-        <section class="card trend">
-            <header>
-                <h2>{app.text(Language::last_minute)}</h2>
-                <span class="muted">{move || point().map(|point| point.unit.clone())}</span>
-                <span class="space"></span>
-                <div class="tabs" class:hidden=points.len() < 2>{tabs}</div>
-            </header>
-            <div class="strip" node_ref=area>
-                {move || match picture.get() {
-                    Some(picture) => curve(app.language.get(), picture, label()),
-                    None => view! { <p class="empty">{app.text(Language::trend_waiting)}</p> }.into_any(),
-                }}
-            </div>
-        </section>
-    }
-    .into_any()
+        .live_size(move |width, height| {
+            app.clock_turn.track();
+            size.set((width, height));
+        });
+    el("section").class("card trend").child(header).child(strip)
+}
+
+fn picture(app: &'static App, point: &Point, size: (f64, f64)) -> Option<Picture> {
+    let gap_s = app.connection.with(|used| used.as_ref().map_or(1.0, |used| f64::from(used.period_ms) * 0.003));
+    let decimals = app.status.with_untracked(|status| device::reading(status, &point.id)).map_or(0, device::decimals);
+    let strip = Strip { size, now_s: app.engine_seconds()?, gap_s: gap_s.max(1.0), decimals };
+    app.history.with_value(|history| Some(draw(history.of(&point.id)?, &strip)))
 }
 
 /// What the picture depends on besides the samples.
@@ -131,43 +117,33 @@ fn draw(series: &Series, strip: &Strip) -> Picture {
     }
 }
 
-fn curve(language: Language, picture: Picture, label: String) -> AnyView {
+fn curve(language: Language, picture: Picture, name: &str) -> El {
     let right = pixel(picture.right);
-    let lines: Vec<_> = picture
-        .lines
-        .into_iter()
-        .map(|(y, label)| {
-            // On a whole pixel and a half the line is one pixel thin.
-            let line = ["M", &pixel(LEFT), " ", &pixel(y.floor() + 0.5), "H", &right].concat();
-            view! {
-                <path class="grid" d=line />
-                <text class="scale" x=pixel(LEFT - 10.0) y=pixel(y + 4.0) text-anchor="end">
-                    {label}
-                </text>
-            }
-        })
-        .collect();
-    let marks: Vec<_> = picture
-        .marks
-        .into_iter()
-        .map(|(x, age)| {
-            let line = ["M", &pixel(x.floor() + 0.5), " ", &pixel(picture.bottom), "v5"].concat();
-            let anchor = if age == 0 { "end" } else { "middle" };
-            let text = if age == 0 { language.trend_now().to_owned() } else { language.trend_seconds(age) };
-            view! {
-                <path class="grid" d=line />
-                <text class="scale" x=pixel(x) y=pixel(picture.bottom + 19.0) text-anchor=anchor>
-                    {text}
-                </text>
-            }
-        })
-        .collect();
-    view! {
-        <svg class="plot" viewBox=picture.view_box role="img" aria-label=label>
-            {lines}
-            {marks}
-            <path class="curve" d=picture.curve />
-        </svg>
-    }
-    .into_any()
+    let lines = picture.lines.into_iter().flat_map(|(y, label)| {
+        // On a whole pixel and a half the line is one pixel thin.
+        let line = ["M", &pixel(LEFT), " ", &pixel(y.floor() + 0.5), "H", &right].concat();
+        [svg("path").class("grid").attr("d", &line), label_at(LEFT - 10.0, y + 4.0, "end", &label)]
+    });
+    let bottom = picture.bottom;
+    let marks = picture.marks.into_iter().flat_map(|(x, age)| {
+        let line = ["M", &pixel(x.floor() + 0.5), " ", &pixel(bottom), "v5"].concat();
+        let (anchor, text) = match age {
+            0 => ("end", language.trend_now().to_owned()),
+            _ => ("middle", language.trend_seconds(age)),
+        };
+        [svg("path").class("grid").attr("d", &line), label_at(x, bottom + 19.0, anchor, &text)]
+    });
+    svg("svg")
+        .class("plot")
+        .attr("viewBox", &picture.view_box)
+        .attr("role", "img")
+        .attr("aria-label", &language.trend_label(name))
+        .children(lines)
+        .children(marks)
+        .child(svg("path").class("curve").attr("d", &picture.curve))
+}
+
+fn label_at(x: f64, y: f64, anchor: &str, text: &str) -> El {
+    let label = svg("text").class("scale").attr("x", &pixel(x)).attr("y", &pixel(y));
+    label.attr("text-anchor", anchor).text(text)
 }

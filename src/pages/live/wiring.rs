@@ -5,6 +5,7 @@ use leptos::prelude::*;
 
 use crate::app::App;
 use crate::device;
+use crate::dom::{El, el, svg};
 use crate::format::signed;
 use crate::text::Language;
 
@@ -14,67 +15,55 @@ const PITCH: usize = 30;
 const FIRST: usize = 34;
 
 /// The card; only the steps for a device whose wires are not known.
-pub(super) fn wiring(app: &'static App) -> AnyView {
-    view! {
-        <aside class="card wiring">
-            <header>
-                <h2>{app.text(Language::wiring_title)}</h2>
-            </header>
-            {move || drawing(app)}
-            <ol class="steps">
-                <li>{app.text(Language::step_wire)}</li>
-                <li>{app.text(Language::step_port)}</li>
-                <li>{app.text(Language::step_connect)}</li>
-            </ol>
-        </aside>
-    }
-    .into_any()
+pub(super) fn wiring(app: &'static App) -> El {
+    let step = |text| el("li").say(app, text);
+    let steps = el("ol")
+        .class("steps")
+        .child(step(Language::step_wire))
+        .child(step(Language::step_port))
+        .child(step(Language::step_connect));
+    el("aside")
+        .class("card wiring")
+        .child(el("header").child(el("h2").say(app, Language::wiring_title)))
+        .live_one(move || drawing(app.language.get(), app.settings.device().wires()))
+        .child(steps)
 }
 
-fn drawing(app: &'static App) -> Option<AnyView> {
-    let language = app.language.get();
-    let wires = app.settings.device().wires();
+fn drawing(language: Language, wires: &[Wire]) -> Option<El> {
     if wires.is_empty() {
         return None;
     }
-    let rows: Vec<_> = wires.iter().enumerate().map(|(at, wire)| row(language, wire, FIRST + at * PITCH)).collect();
-    let height = FIRST + wires.len() * PITCH;
+    let height = FIRST + wires.len() * PITCH - 6;
     let label = wires
         .iter()
         .map(|wire| [device::pick(language, &wire.name), " → ", &signed(&wire.signal)].concat())
         .collect::<Vec<_>>()
         .join(", ");
-    Some(
-        view! {
-            <svg class="wires" viewBox=["0 0 320 ", &(height + 14).to_string()].concat() role="img" aria-label=label>
-                <rect class="housing" x="10" y="8" width="66" height=height rx="8" />
-                <text class="part" x="43" y=(height / 2 + 12).to_string() text-anchor="middle">
-                    {language.wire_sensor()}
-                </text>
-                {rows}
-            </svg>
-        }
-        .into_any(),
-    )
+    let housing = svg("rect").class("housing").attr("x", "10").attr("y", "8").attr("width", "62").attr("rx", "8");
+    let drawing = svg("svg")
+        .class("wires")
+        .attr("viewBox", &["0 0 340 ", &(height + 14).to_string()].concat())
+        .attr("role", "img")
+        .attr("aria-label", &label)
+        .child(housing.attr("height", &height.to_string()))
+        .child(label_at("part", 41, height / 2 + 12, language.wire_sensor()).attr("text-anchor", "middle"));
+    let rows = wires.iter().enumerate().flat_map(|(at, wire)| row(language, wire, FIRST + at * PITCH));
+    Some(drawing.children(rows))
 }
 
 /// One wire: from the sensor's housing to its terminal.
-fn row(language: Language, wire: &Wire, y: usize) -> AnyView {
-    let line = ["M76 ", &y.to_string(), "H204"].concat();
-    let text_y = (y + 4).to_string();
-    view! {
-        <path class="wire-edge" d=line.clone() />
-        <path class="wire" data-color=wire.color.clone() d=line />
-        <text class="colour" x="140" y=(y - 6).to_string() text-anchor="middle">
-            {device::pick(language, &wire.name).to_owned()}
-        </text>
-        <circle class="terminal" cx="210" cy=y.to_string() r="6" />
-        <text class="signal" x="224" y=text_y.clone()>
-            {signed(&wire.signal)}
-        </text>
-        <text class="use" x="250" y=text_y>
-            {device::pick(language, &wire.purpose).to_owned()}
-        </text>
-    }
-    .into_any()
+fn row(language: Language, wire: &Wire, y: usize) -> [El; 6] {
+    let line = ["M72 ", &y.to_string(), "H160"].concat();
+    [
+        svg("path").class("wire-edge").attr("d", &line),
+        svg("path").class("wire").attr("data-color", &wire.color).attr("d", &line),
+        label_at("colour", 115, y - 6, device::pick(language, &wire.name)).attr("text-anchor", "middle"),
+        svg("circle").class("terminal").attr("cx", "166").attr("cy", &y.to_string()).attr("r", "6"),
+        label_at("signal", 180, y + 4, &signed(&wire.signal)),
+        label_at("use", 206, y + 4, &device::pick(language, &wire.purpose).replace('-', "\u{2013}")),
+    ]
+}
+
+fn label_at(class: &str, x: usize, y: usize, text: &str) -> El {
+    svg("text").class(class).attr("x", &x.to_string()).attr("y", &y.to_string()).text(text)
 }

@@ -1,0 +1,27 @@
+//! Buttons.
+
+use super::icon::{Icon, icon};
+use crate::app::App;
+use crate::dom::{El, el};
+use crate::text::Language;
+
+/// A button with a text. `hook` names it for the tests, `look` is one or more of `primary`, `quiet`, `small`, `large`, `square`.
+pub(crate) fn button(app: &'static App, look: &str, hook: &str, text: fn(Language) -> &'static str) -> El {
+    bare(look, hook).say(app, text)
+}
+
+/// A button with an icon before its text.
+pub(crate) fn icon_button(
+    app: &'static App,
+    look: &str,
+    hook: &str,
+    mark: Icon,
+    text: fn(Language) -> &'static str,
+) -> El {
+    bare(look, hook).child(icon(mark)).child(el("span").say(app, text))
+}
+
+/// A button without anything in it.
+pub(crate) fn bare(look: &str, hook: &str) -> El {
+    el("button").attr("type", "button").class(&["button ", look].concat()).test(hook)
+}

@@ -1,0 +1,258 @@
+//! Elements, built in plain calls on Leptos's signals.
+//!
+//! Leptos's `view!` makes a type of its own, with its own code, of every element with everything in it. This page came
+//! to 230 KB compressed that way, most of it such code. Here every element is built by the same few functions.
+//!
+//! What depends on signals is given as a closure (`live_...`) and follows them for as long as the reactive owner lives
+//! under which it was made: a part that [`El::live`] builds anew takes everything inside it along.
+
+use std::any::Any;
+
+use js_sys::Reflect;
+use leptos::prelude::*;
+use wasm_bindgen::prelude::*;
+use web_sys::{Element, Event, Node};
+
+use crate::app::App;
+use crate::text::Language;
+
+const SVG: &str = "http://www.w3.org/2000/svg";
+
+/// An element of the page.
+pub(crate) struct El(Element);
+
+/// A new HTML element.
+pub(crate) fn el(tag: &str) -> El {
+    El(document().create_element(tag).expect("the names of elements are literals"))
+}
+
+/// A new SVG element.
+pub(crate) fn svg(tag: &str) -> El {
+    El(document().create_element_ns(Some(SVG), tag).expect("the names of elements are literals"))
+}
+
+/// Puts an element at the end of the page.
+#[allow(clippy::needless_pass_by_value)] // an element has one place
+pub(crate) fn mount(element: El) {
+    if let Some(body) = document().body() {
+        append(&body, &element.0);
+    }
+}
+
+/// Runs `act` now and whenever a signal that it has read changes.
+pub(crate) fn react(act: impl FnMut() + 'static) {
+    react_boxed(Box::new(act));
+}
+
+impl El {
+    /// Sets the classes.
+    pub(crate) fn class(self, names: &str) -> Self {
+        self.attr("class", names)
+    }
+
+    /// Names the element for the browser tests.
+    pub(crate) fn test(self, name: &str) -> Self {
+        self.attr("data-test", name)
+    }
+
+    /// Sets an attribute.
+    pub(crate) fn attr(self, name: &str, value: &str) -> Self {
+        set(&self.0, name, Some(value));
+        self
+    }
+
+    /// Adds a text.
+    pub(crate) fn text(self, text: &str) -> Self {
+        append(&self.0, &document().create_text_node(text));
+        self
+    }
+
+    /// Adds a text of the page, which follows the language.
+    pub(crate) fn say(self, app: &'static App, pick: fn(Language) -> &'static str) -> Self {
+        self.live_text(move || pick(app.language.get()).to_owned())
+    }
+
+    /// Adds a text that follows signals.
+    pub(crate) fn live_text(self, text: impl FnMut() -> String + 'static) -> Self {
+        live_text_boxed(&self.0, Box::new(text));
+        self
+    }
+
+    /// Sets an attribute that follows signals; `None` takes it away.
+    pub(crate) fn live_attr(self, name: &'static str, value: impl FnMut() -> Option<String> + 'static) -> Self {
+        live_attr_boxed(&self.0, name, Box::new(value));
+        self
+    }
+
+    /// Labels the element for those who cannot see it, and by a tooltip.
+    pub(crate) fn label(self, app: &'static App, pick: fn(Language) -> &'static str) -> Self {
+        self.live_attr("aria-label", move || Some(pick(app.language.get()).to_owned()))
+    }
+
+    /// An attribute that is there or not, such as `disabled`.
+    pub(crate) fn flag(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
+        self.live_attr(name, move || on().then(String::new))
+    }
+
+    /// An attribute that says `true` or `false`, as ARIA and the styles want it.
+    pub(crate) fn state(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
+        self.live_attr(name, move || Some(if on() { "true" } else { "false" }.to_owned()))
+    }
+
+    /// A class that is there or not.
+    pub(crate) fn live_class(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
+        let element = self.0.clone();
+        react(move || {
+            // A class name that is a literal is never refused.
+            let _ = element.class_list().toggle_with_force(name, on());
+        });
+        self
+    }
+
+    /// Binds the value of a field both ways. Call it last: a list's options come first.
+    pub(crate) fn bind(self, event: &str, value: RwSignal<String>) -> Self {
+        let field = self.0.clone();
+        react(move || set_value(&field, &value.get()));
+        let field = self.0.clone();
+        self.on(event, move |_| value.set(value_of(&field)))
+    }
+
+    /// Sets the value of a field whenever signals change.
+    pub(crate) fn live_value(self, mut value: impl FnMut() -> String + 'static) -> Self {
+        let field = self.0.clone();
+        react(move || set_value(&field, &value()));
+        self
+    }
+
+    /// Listens to an event.
+    pub(crate) fn on(self, event: &str, act: impl FnMut(Event) + 'static) -> Self {
+        listen(&self.0, event, Box::new(act));
+        self
+    }
+
+    /// Listens to a click.
+    pub(crate) fn click(self, mut act: impl FnMut() + 'static) -> Self {
+        self.on("click", move |_| act())
+    }
+
+    /// Adds an element.
+    #[allow(clippy::needless_pass_by_value)] // an element has one place
+    pub(crate) fn child(self, child: El) -> Self {
+        append(&self.0, &child.0);
+        self
+    }
+
+    /// Adds elements.
+    pub(crate) fn children(self, children: impl IntoIterator<Item = El>) -> Self {
+        for child in children {
+            append(&self.0, &child.0);
+        }
+        self
+    }
+
+    /// Adds elements that are built anew whenever signals change.
+    pub(crate) fn live(self, build: impl FnMut() -> Vec<El> + 'static) -> Self {
+        live_boxed(&self.0, Box::new(build));
+        self
+    }
+
+    /// Adds one element or none, built anew whenever signals change.
+    pub(crate) fn live_one(self, mut build: impl FnMut() -> Option<El> + 'static) -> Self {
+        self.live(move || build().into_iter().collect())
+    }
+
+    /// Calls `act` with the inner width and height in pixels, now and whenever a signal that it has read changes.
+    pub(crate) fn live_size(self, mut act: impl FnMut(f64, f64) + 'static) -> Self {
+        let element = self.0.clone();
+        react(move || act(element.client_width().into(), element.client_height().into()));
+        self
+    }
+}
+
+/// The value of the field that an event came from.
+pub(crate) fn value(event: &Event) -> String {
+    event.target().map(|target| value_of(&target)).unwrap_or_default()
+}
+
+fn react_boxed(mut act: Box<dyn FnMut()>) {
+    keep(Box::new(RenderEffect::new(move |_: Option<()>| act())));
+}
+
+/// Keeps something for as long as the reactive owner lives.
+fn keep(handle: Box<dyn Any>) {
+    StoredValue::new_local(handle);
+}
+
+fn append(parent: &Node, child: &Node) {
+    // A new node can always be appended to an element.
+    let _ = parent.append_child(child);
+}
+
+fn set(element: &Element, name: &str, value: Option<&str>) {
+    // An attribute's name that is a literal is never refused.
+    let _ = match value {
+        Some(value) => element.set_attribute(name, value),
+        None => element.remove_attribute(name),
+    };
+}
+
+fn live_text_boxed(parent: &Element, mut text: Box<dyn FnMut() -> String>) {
+    let node = document().create_text_node("");
+    append(parent, &node);
+    let mut shown = String::new();
+    react_boxed(Box::new(move || {
+        let text = text();
+        if text != shown {
+            node.set_data(&text);
+            shown = text;
+        }
+    }));
+}
+
+fn live_attr_boxed(element: &Element, name: &'static str, mut value: Box<dyn FnMut() -> Option<String>>) {
+    let element = element.clone();
+    let mut shown = None;
+    react_boxed(Box::new(move || {
+        let value = value();
+        if value != shown {
+            set(&element, name, value.as_deref());
+            shown = value;
+        }
+    }));
+}
+
+fn live_boxed(parent: &Element, mut build: Box<dyn FnMut() -> Vec<El>>) {
+    let anchor = document().create_comment("");
+    append(parent, &anchor);
+    let mut shown: Vec<El> = Vec::new();
+    react_boxed(Box::new(move || {
+        for old in shown.drain(..) {
+            old.0.remove();
+        }
+        shown = build();
+        if let Some(parent) = anchor.parent_node() {
+            for new in &shown {
+                // The anchor is the parent's child.
+                let _ = parent.insert_before(&new.0, Some(&anchor));
+            }
+        }
+    }));
+}
+
+fn listen(element: &Element, event: &str, act: Box<dyn FnMut(Event)>) {
+    let listener = Closure::wrap(act);
+    // Adding a listener to an element does not fail.
+    let _ = element.add_event_listener_with_callback(event, listener.as_ref().unchecked_ref());
+    keep(Box::new(listener));
+}
+
+fn value_of(field: &JsValue) -> String {
+    Reflect::get(field, &"value".into()).ok().and_then(|value| value.as_string()).unwrap_or_default()
+}
+
+/// Leaves a field alone that holds the value already: the cursor would jump.
+fn set_value(field: &JsValue, value: &str) {
+    if value_of(field) != value {
+        let _ = Reflect::set(field, &"value".into(), &value.into());
+    }
+}
