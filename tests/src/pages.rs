@@ -1,1 +1,7 @@
-//! Page objects.
+//! Page objects: what a user can do on a page and see there, so that tests speak of sensors and not of elements.
+
+mod decoder;
+mod live;
+
+pub use decoder::DecoderPage;
+pub use live::{Figures, LivePage, State};

@@ -30,7 +30,11 @@ pub struct Bench<F: FarEnd> {
 impl<F: FarEnd> Bench<F> {
     /// Starts everything and opens the page.
     pub async fn new(far_end: F) -> Self {
-        let wire = Wire::new(far_end);
+        Self::with_wire(Wire::new(far_end)).await
+    }
+
+    /// The same with a wire that exists already.
+    pub async fn with_wire(wire: Wire<F>) -> Self {
         let adapter = Adapter::start(CH340);
         adapter.plug(wire.device());
         let browser = Browser::start(&adapter, Look::default()).await;
@@ -48,6 +52,13 @@ impl<F: FarEnd> Bench<F> {
         let far_end = self.wire.take().expect("the adapter is plugged in").take_apart();
         self.adapter.unplug();
         far_end
+    }
+
+    /// Puts a new pty behind the adapter's node without telling anybody.
+    pub fn plug_silently(&mut self, far_end: F) {
+        let wire = Wire::new(far_end);
+        self.adapter.lead_to(wire.device());
+        self.wire = Some(wire);
     }
 
     /// Plugs the adapter in again, with something at its other end.

@@ -86,6 +86,12 @@ impl Adapter {
 
     /// Plugs the adapter in; `device` is the pty that it leads to.
     pub fn plug(&self, device: &Path) {
+        self.lead_to(device);
+        self.send_uevent("add");
+    }
+
+    /// Makes the adapter's node lead to `device` without telling anybody.
+    pub fn lead_to(&self, device: &Path) {
         let node = self.root.join("dev/ttyUSB0");
         let _ = fs::remove_file(&node);
         symlink(device, &node).expect("umockdev's folder is writable");
@@ -93,7 +99,6 @@ impl Adapter {
         let mapped = self.root.join("dev/.ptymap").join(name);
         let _ = fs::remove_file(&mapped);
         symlink(&self.number, mapped).expect("umockdev's folder is writable");
-        self.send_uevent("add");
     }
 
     /// Pulls the adapter out.

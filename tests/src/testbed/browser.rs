@@ -52,6 +52,8 @@ impl Browser {
             "--disable-sync",
             "--hide-scrollbars",
             "--force-color-profile=srgb",
+            // A name that is this machine and yet no secure place.
+            "--host-resolver-rules=MAP insecure.test 127.0.0.1",
             &format!("--user-data-dir={}", profile.path().display()),
             &format!("--accept-lang={}", look.language),
             &format!("--window-size={},{}", look.width.max(500), look.height),
@@ -164,6 +166,19 @@ impl Browser {
         let entries = log.as_array().cloned().unwrap_or_default();
         let severe = entries.iter().filter(|entry| entry["level"] == "SEVERE");
         severe.map(|entry| entry["message"].as_str().unwrap_or_default().to_owned()).collect()
+    }
+
+    /// Makes the page's worker throw an error that nothing catches, the next time that it asks for the time.
+    pub async fn break_the_worker(&self) {
+        let targets = self.devtools("Target.getTargets", json!({})).await;
+        let targets = targets["targetInfos"].as_array().cloned().unwrap_or_default();
+        let worker = targets.iter().find(|target| target["type"] == "worker").expect("the page has a worker");
+        let attach = json!({ "targetId": worker["targetId"], "flatten": false });
+        let session = self.devtools("Target.attachToTarget", attach).await;
+        let script = "performance.now = () => { throw new Error('broken by a test'); }";
+        let message = json!({ "id": 1, "method": "Runtime.evaluate", "params": { "expression": script } });
+        let send = json!({ "sessionId": session["sessionId"], "message": message.to_string() });
+        self.devtools("Target.sendMessageToTarget", send).await;
     }
 
     /// A picture of the whole page as PNG.
