@@ -29,6 +29,7 @@ pub mod line;
 pub mod pdu;
 pub mod profile;
 pub mod rtu;
+pub mod segment;
 pub mod stream;
 mod unit;
 pub mod value;
