@@ -113,12 +113,15 @@ pub(super) fn trouble(language: Language, trouble: &Trouble, facts: &Facts) -> F
     let t = language;
     let told = match trouble {
         Trouble::Silence => silence(language, facts),
-        Trouble::Garbage => fault(
-            "garbage",
-            t.garbage(),
-            &t.garbage_what(&facts.settings),
-            &[&t.try_other_baud(&facts.factory), t.try_noise(), t.try_one_sensor()],
-        ),
+        Trouble::Garbage => {
+            let other = if facts.settings == facts.factory {
+                t.try_any_baud().to_owned()
+            } else {
+                t.try_other_baud(&facts.factory)
+            };
+            let tips = [other.as_str(), t.try_noise(), t.try_one_sensor()];
+            fault("garbage", t.garbage(), &t.garbage_what(&facts.settings), &tips)
+        }
         Trouble::BadCheck => fault(
             "bad-check",
             t.bad_check(),
