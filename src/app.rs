@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use leptos::prelude::*;
+use crate::reactive::*;
 use wasm_bindgen::JsCast;
 
 use crate::components::shell::{rail, top_bar};
@@ -23,7 +23,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Puts the page into the document.
 pub(crate) fn start() {
-    mount_to_body(build);
+    run_forever(build);
 }
 
 /// What every part of the page may look at. Signals only: free of JS handles.
@@ -48,7 +48,7 @@ pub(crate) struct App {
     pub(crate) history: StoredValue<History>,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
-    /// Ticks ten times a second while connected.
+    /// Ticks ten times a second while connected, and whenever the window changes its size.
     pub(crate) clock_turn: RwSignal<u32>,
     /// The engine's clock against the window's, in seconds; known from the first sample on.
     pub(crate) clock_lead_s: StoredValue<Option<f64>>,
@@ -200,6 +200,7 @@ fn build() {
     tick_while_connected(app);
     link::start(move |message| app.hear(message));
     on_window("pagehide", |_| link::end());
+    on_window("resize", |_| app.clock_turn.update(|turn| *turn = turn.wrapping_add(1)));
     // A page that comes back from the browser's memory has lost its engine.
     on_window("pageshow", |event| {
         if event.unchecked_ref::<web_sys::PageTransitionEvent>().persisted() {

@@ -8,8 +8,8 @@
 
 use std::any::Any;
 
+use crate::reactive::*;
 use js_sys::Reflect;
-use leptos::prelude::*;
 use wasm_bindgen::prelude::*;
 use web_sys::{Element, Event, EventTarget, Node};
 

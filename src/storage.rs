@@ -1,6 +1,6 @@
 //! What the page remembers on this computer: one string a key. Where the browser forbids it, nothing is remembered.
 
-use leptos::prelude::*;
+use crate::reactive::*;
 
 use crate::dom::react;
 

@@ -2,9 +2,9 @@
 
 mod reading;
 
+use crate::reactive::*;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{IntakeError, IntakeFault};
-use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 
 use crate::anatomy::{Anatomy, Facts};

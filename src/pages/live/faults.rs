@@ -6,9 +6,9 @@ use crate::app::App;
 use crate::components::alert::{Fault, Remedy};
 use crate::components::shell::mode_name;
 use crate::message::{OpenFault, Trouble};
+use crate::reactive::*;
 use crate::serial::{PickFault, SerialMissing};
 use crate::text::Language;
-use leptos::prelude::*;
 
 /// What the sentences name.
 pub(super) struct Facts {

@@ -65,6 +65,7 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
     match scene {
         Scene::LiveEmpty => {
             LivePage::open(browser).await;
+            browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
         }
         Scene::LiveReading => {
             let page = LivePage::open(browser).await;

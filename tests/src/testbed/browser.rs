@@ -198,6 +198,10 @@ impl Browser {
         let (width, height) = (pixels(0), pixels(1).max(pixels(2)));
         let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });
         self.devtools("Emulation.setDeviceMetricsOverride", metrics).await;
+        // Transitions have run to their end, and the page has drawn what follows from its new size.
+        let settled = "document.getAnimations().forEach((animation) => { try { animation.finish(); } catch {} });
+                       requestAnimationFrame(() => requestAnimationFrame(() => done(true)));";
+        self.run_async(settled).await;
         self.client.screenshot().await.expect("a picture")
     }
 
