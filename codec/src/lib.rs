@@ -23,6 +23,7 @@ extern crate alloc;
 pub mod adu;
 pub mod ascii;
 pub mod check;
+pub mod diagnose;
 pub mod dissect;
 pub mod intake;
 pub mod line;
