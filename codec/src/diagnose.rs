@@ -12,8 +12,9 @@ pub(crate) mod shape;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use crate::dissect::Direction;
+use crate::dissect::{Direction, Dissection, NamedValue};
 use crate::line::Mode;
+use crate::profile::Profile;
 
 /// Something that is wrong or remarkable about a frame.
 ///
@@ -169,4 +170,18 @@ pub fn damage(mode: Mode, frame: &[u8], surroundings: Surroundings<'_>) -> Vec<D
         Mode::Rtu => rtu::damage(frame, surroundings),
         Mode::Ascii => ascii::damage(frame, surroundings),
     }
+}
+
+/// Values that the profile does not allow: codes that its table lacks, writes beyond its range, registers that hold no
+/// value of their encoding.
+pub fn values_out_of_range(dissection: &Dissection, profile: &Profile) -> Vec<Diagnosis> {
+    let is_wrong = |named: &&NamedValue| {
+        named.value.is_err()
+            || profile
+                .point(&named.point)
+                .zip(named.raw.first())
+                .is_some_and(|(point, raw)| named.raw.len() == 1 && !point.allows(*raw))
+    };
+    let found = dissection.points.iter().filter(is_wrong);
+    found.map(|named| Diagnosis::ValueOutOfRange { point: named.point.clone() }).collect()
 }

@@ -26,12 +26,14 @@ pub mod check;
 pub mod diagnose;
 pub mod dissect;
 pub mod intake;
+pub mod json;
 pub mod line;
 pub mod pdu;
 pub mod profile;
 pub mod rtu;
 pub mod segment;
 pub mod stream;
+pub mod transcript;
 mod unit;
 pub mod value;
 

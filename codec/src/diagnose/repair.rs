@@ -183,11 +183,11 @@ mod tests {
     #[test]
     fn every_single_bit_of_frames_of_every_length_is_found() {
         for len in 1..=253 {
-            let pdu: Vec<u8> = (0..len).map(|at: usize| (at * 37 + 11 * len) as u8).collect();
+            let pdu: Vec<u8> = (0..len).map(|at: u8| at.wrapping_mul(37).wrapping_add(len)).collect();
             let frame = crate::rtu::encode(UnitId(17), &pdu).unwrap();
             let step = if frame.len() <= 64 { 1 } else { 13 };
-            for at in (0..frame.len() * 8).step_by(step) {
-                let (byte, bit) = (at / 8, (at % 8) as u8);
+            let bits = (0..frame.len()).flat_map(|byte| (0..8).map(move |bit| (byte, bit)));
+            for (byte, bit) in bits.step_by(step) {
                 let damaged = Repair::Bit { byte, bit }.apply(&frame);
                 let bits: Vec<Repair> =
                     all(&damaged).into_iter().filter(|repair| matches!(repair, Repair::Bit { .. })).collect();

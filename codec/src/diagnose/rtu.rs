@@ -77,8 +77,8 @@ pub(crate) fn specific(frame: &[u8], around: Surroundings<'_>) -> Vec<Diagnosis>
     {
         found.push(Diagnosis::LrcInRtu);
     }
-    // A frame that lost its end is cut off as well as short of a byte.
-    if found.iter().any(|diagnosis| is_lost_end(diagnosis, frame.len())) {
+    // A frame that lost its end is cut off as well as short of a byte, and where the byte is lost may stay open.
+    if found.iter().any(|diagnosis| may_be_cut_off(diagnosis, frame.len())) {
         found.extend(truncated(frame, around));
     }
     found
@@ -121,8 +121,11 @@ fn only(mut repairs: Vec<Placed>, around: Surroundings<'_>) -> Option<Placed> {
     repairs.iter().all(|placed| placed.repaired == first.repaired).then_some(first)
 }
 
-fn is_lost_end(diagnosis: &Diagnosis, len: usize) -> bool {
-    matches!(diagnosis, Diagnosis::MissingByte { repair: Some(Placed { at, .. }) } if *at >= len)
+fn may_be_cut_off(diagnosis: &Diagnosis, len: usize) -> bool {
+    match diagnosis {
+        Diagnosis::MissingByte { repair } => repair.as_ref().is_none_or(|placed| placed.at >= len),
+        _ => false,
+    }
 }
 
 fn truncated(frame: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
@@ -155,21 +158,14 @@ fn truncated(frame: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
     Some(Diagnosis::Truncated { expected })
 }
 
-/// A byte count that does not fit the bytes there are, in a frame whose check is right or that answers the request.
+/// A byte count that does not fit the bytes there are, where the check is right or the request tells the length.
 fn miscounted(frame: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
     let [unit, pdu @ .., _, _] = frame else { return None };
-    let (place, from) = match pdu.first()? {
-        0x01..=0x04 | 0x0C | 0x11 | 0x17 if around.direction != Direction::Request => (1, 2),
-        0x0F | 0x10 if around.direction != Direction::Response => (5, 6),
-        _ => return None,
-    };
-    let found = *pdu.get(place)?;
-    let expected = pdu.len().checked_sub(from)?;
     let certain = repair::is_right(frame)
         || around.request.is_some_and(|request| {
             request.first() == Some(unit)
                 && request.get(1) == pdu.first()
-                && shape::response_len(&request[1..]) == Some(pdu.len())
+                && request.get(1..).and_then(shape::response_len) == Some(pdu.len())
         });
-    (usize::from(found) != expected && certain).then_some(Diagnosis::ByteCountMismatch { found, expected })
+    if certain { shape::miscounted(pdu, around.direction) } else { None }
 }

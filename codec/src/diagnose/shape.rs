@@ -1,6 +1,9 @@
 //! What a PDU's own bytes say of its length and its direction (application protocol V1.1b3, clause 6), without taking it
 //! apart. Takes any bytes and never panics.
 
+use super::Diagnosis;
+use crate::dissect::Direction;
+
 /// How long a PDU is, by what it begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
@@ -87,7 +90,7 @@ pub(crate) fn response_extent(pdu: &[u8]) -> Extent {
         0x11 | 0x14 | 0x15 => counted(pdu, |count| (1..=MAX_COUNT).contains(&count)),
         0x16 => Exact(7),
         0x18 => match word(pdu, 1) {
-            Some(count) if count <= 64 && count >= 2 && count % 2 == 0 => Exact(3 + usize::from(count)),
+            Some(count) if (2..=64).contains(&count) && count % 2 == 0 => Exact(3 + usize::from(count)),
             Some(_) => Forbidden,
             None => AtLeast(5),
         },
@@ -142,6 +145,22 @@ pub(crate) fn response_len(head: &[u8]) -> Option<usize> {
         0x16 => Some(7),
         _ => None,
     }
+}
+
+/// A byte count that does not fit the bytes behind it.
+pub(crate) fn miscounted(pdu: &[u8], direction: Direction) -> Option<Diagnosis> {
+    let sides = sides(pdu);
+    if sides.request || sides.response {
+        return None;
+    }
+    let place = match pdu.first()? {
+        0x01..=0x04 | 0x0C | 0x11 | 0x17 if direction != Direction::Request => 1,
+        0x0F | 0x10 if direction != Direction::Response => 5,
+        _ => return None,
+    };
+    let found = *pdu.get(place)?;
+    let expected = pdu.len().checked_sub(place + 1)?;
+    (usize::from(found) != expected).then_some(Diagnosis::ByteCountMismatch { found, expected })
 }
 
 /// Whether the normal response to this function is the request itself.
