@@ -190,6 +190,38 @@ impl Request {
         }
     }
 
+    /// The first coil, input or register that it is about; of function 17 the first that it reads.
+    pub fn address(&self) -> Option<u16> {
+        match self {
+            Self::ReadCoils { address, .. }
+            | Self::ReadDiscreteInputs { address, .. }
+            | Self::ReadHoldingRegisters { address, .. }
+            | Self::ReadInputRegisters { address, .. }
+            | Self::WriteSingleCoil { address, .. }
+            | Self::WriteSingleRegister { address, .. }
+            | Self::WriteMultipleCoils { address, .. }
+            | Self::WriteMultipleRegisters { address, .. }
+            | Self::MaskWriteRegister { address, .. }
+            | Self::ReadWriteMultipleRegisters { read_address: address, .. }
+            | Self::ReadFifoQueue { address } => Some(*address),
+            _ => None,
+        }
+    }
+
+    /// How many coils, inputs or registers from [`Request::address`] on, where the request says it in a field.
+    pub fn quantity(&self) -> Option<u16> {
+        match self {
+            Self::ReadCoils { quantity, .. }
+            | Self::ReadDiscreteInputs { quantity, .. }
+            | Self::ReadHoldingRegisters { quantity, .. }
+            | Self::ReadInputRegisters { quantity, .. }
+            | Self::ReadWriteMultipleRegisters { read_quantity: quantity, .. } => Some(*quantity),
+            Self::WriteMultipleCoils { coils, .. } => Some(quantity_of(coils)),
+            Self::WriteMultipleRegisters { values, .. } => Some(quantity_of(values)),
+            _ => None,
+        }
+    }
+
     /// The bytes of the PDU, 1 to 253. Cannot fail for what [`Request::decode`] returned.
     pub fn encode(&self) -> Result<Vec<u8>, PduError> {
         let mut pdu = Vec::new();
