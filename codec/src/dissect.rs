@@ -11,7 +11,7 @@ use crate::UnitId;
 use crate::check::{crc16, lrc};
 use crate::line::Mode;
 use crate::pdu::{ExceptionCode, PduError, Request, Response};
-use crate::profile::Profile;
+use crate::profile::{Known, Profile};
 use crate::value::{Value, ValueError};
 
 /// Which way a frame goes.
@@ -137,6 +137,8 @@ pub struct NamedValue {
     pub raw: Vec<u16>,
     /// Its value, or why there is none.
     pub value: Result<Value, ValueError>,
+    /// Whether the value is in its unit: `false` while the register that scales it is not known.
+    pub scaled: bool,
     /// Its bytes in the frame.
     pub range: Range<usize>,
 }
@@ -370,7 +372,7 @@ impl Walk<'_> {
 
 fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -> Vec<NamedValue> {
     let Some(address) = layout.address else { return Vec::new() };
-    let points = profile.decode_points(function, address, &layout.registers);
+    let points = profile.decode_points(function, address, &layout.registers, &mut Known::default());
     let named = points.into_iter().map(|found| {
         let registers = found.offset..found.offset + found.point.encoding.registers();
         let bytes = layout.registers_at + 2 * registers.start..layout.registers_at + 2 * registers.end;
@@ -379,6 +381,7 @@ fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -
             register: found.point.register,
             raw: layout.registers[registers].to_vec(),
             value: found.value,
+            scaled: found.scaled,
             range: place.of(bytes),
         }
     });
