@@ -139,6 +139,8 @@ pub struct NamedValue {
     pub value: Result<Value, ValueError>,
     /// Whether the value is in its unit: `false` while the register that scales it is not known.
     pub scaled: bool,
+    /// Its unit as far as it is known, empty for none.
+    pub unit: String,
     /// Its bytes in the frame.
     pub range: Range<usize>,
 }
@@ -382,6 +384,7 @@ fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -
             raw: layout.registers[registers].to_vec(),
             value: found.value,
             scaled: found.scaled,
+            unit: found.unit.into(),
             range: place.of(bytes),
         }
     });

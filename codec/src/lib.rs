@@ -33,5 +33,6 @@ pub mod segment;
 pub mod stream;
 mod unit;
 pub mod value;
+pub mod views;
 
 pub use unit::UnitId;

@@ -49,7 +49,7 @@ impl Order {
     }
 
     /// The bits of up to four registers.
-    fn gather(self, registers: &[u16]) -> u64 {
+    pub(crate) fn gather(self, registers: &[u16]) -> u64 {
         let join = |bits: u64, register: &u16| bits << 16 | u64::from(self.byte_order(*register));
         if self.low_register_first() { registers.iter().rev().fold(0, join) } else { registers.iter().fold(0, join) }
     }
@@ -186,6 +186,71 @@ impl Encoding {
             Self::Double { .. } => 4,
             Self::Text { registers, .. } => registers as usize,
         }
+    }
+
+    /// Its type as a profile's file names it.
+    pub const fn type_name(self) -> &'static str {
+        match self {
+            Self::Integer { width: Width::One, signed: false, .. } => "u16",
+            Self::Integer { width: Width::One, signed: true, .. } => "i16",
+            Self::Integer { width: Width::Two, signed: false, .. } => "u32",
+            Self::Integer { width: Width::Two, signed: true, .. } => "i32",
+            Self::Integer { width: Width::Four, signed: false, .. } => "u64",
+            Self::Integer { width: Width::Four, signed: true, .. } => "i64",
+            Self::SignMagnitude { width: Width::One, .. } => "sign_magnitude_16",
+            Self::SignMagnitude { width: Width::Two, .. } => "sign_magnitude_32",
+            Self::SignMagnitude { width: Width::Four, .. } => "sign_magnitude_64",
+            Self::Bcd { width: Width::One, .. } => "bcd_16",
+            Self::Bcd { width: Width::Two, .. } => "bcd_32",
+            Self::Bcd { width: Width::Four, .. } => "bcd_64",
+            Self::Float { .. } => "f32",
+            Self::Double { .. } => "f64",
+            Self::ReservedI16 { .. } => "reserved_i16",
+            Self::SignMagnitudeThousandths => "sign_magnitude_thousandths",
+            Self::SignByteMagnitude { .. } => "sign_byte_magnitude",
+            Self::Code => "code",
+            Self::Bits { .. } => "bits",
+            Self::Text { .. } => "text",
+        }
+    }
+
+    /// The order of its bytes, for those that come in several.
+    pub const fn order(self) -> Option<Order> {
+        match self {
+            Self::Integer { order, .. }
+            | Self::SignMagnitude { order, .. }
+            | Self::Bcd { order, .. }
+            | Self::Float { order }
+            | Self::Double { order }
+            | Self::Text { order, .. } => Some(order),
+            _ => None,
+        }
+    }
+
+    /// Its digits behind the point, for those that have any number of them.
+    pub const fn decimals(self) -> Option<i8> {
+        match self {
+            Self::Integer { decimals, .. }
+            | Self::SignMagnitude { decimals, .. }
+            | Self::Bcd { decimals, .. }
+            | Self::ReservedI16 { decimals }
+            | Self::SignByteMagnitude { decimals } => Some(decimals),
+            _ => None,
+        }
+    }
+
+    /// The same with other digits behind the point, where that can be chosen.
+    #[must_use]
+    pub const fn with_decimals(mut self, digits: i8) -> Self {
+        if let Self::Integer { decimals, .. }
+        | Self::SignMagnitude { decimals, .. }
+        | Self::Bcd { decimals, .. }
+        | Self::ReservedI16 { decimals }
+        | Self::SignByteMagnitude { decimals } = &mut self
+        {
+            *decimals = digits;
+        }
+        self
     }
 
     /// The value that `registers` hold.
