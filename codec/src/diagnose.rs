@@ -97,8 +97,8 @@ pub enum Diagnosis {
     },
     /// The frame is printed like this in a device's manual, which is wrong.
     ManualErratum {
-        /// The erratum's number in the list of known errata, from 1.
-        number: u8,
+        /// Its number among the profile's errata, from 1.
+        number: usize,
     },
 }
 
@@ -172,16 +172,20 @@ pub fn damage(mode: Mode, frame: &[u8], surroundings: Surroundings<'_>) -> Vec<D
     }
 }
 
-/// Values that the profile does not allow: codes that its table lacks, writes beyond its range, registers that hold no
-/// value of their encoding.
+/// Values that the profile does not allow: codes that its table lacks, values beyond its range, registers that hold no
+/// value of their encoding. A value whose scale is not known is not judged.
 pub fn values_out_of_range(dissection: &Dissection, profile: &Profile) -> Vec<Diagnosis> {
-    let is_wrong = |named: &&NamedValue| {
-        named.value.is_err()
-            || profile
-                .point(&named.point)
-                .zip(named.raw.first())
-                .is_some_and(|(point, raw)| named.raw.len() == 1 && !point.allows(*raw))
+    let is_wrong = |named: &&NamedValue| match named.value {
+        Ok(value) => named.scaled && profile.point(&named.point).is_some_and(|point| !point.allows(value)),
+        Err(_) => true,
     };
     let found = dissection.points.iter().filter(is_wrong);
     found.map(|named| Diagnosis::ValueOutOfRange { point: named.point.clone() }).collect()
+}
+
+/// Whether the device's manual prints exactly this frame, and is wrong. In ASCII mode the frame is its characters, CR LF
+/// included.
+pub fn manual_erratum(frame: &[u8], profile: &Profile) -> Option<Diagnosis> {
+    let place = profile.errata.iter().position(|erratum| !frame.is_empty() && erratum.printed == frame)?;
+    Some(Diagnosis::ManualErratum { number: place.saturating_add(1) })
 }

@@ -18,7 +18,7 @@ use crate::UnitId;
 use crate::check::{crc16, lrc};
 use crate::line::Mode;
 use crate::pdu::{ExceptionCode, PduError, Request};
-use crate::profile::Profile;
+use crate::profile::{Known, Profile};
 use crate::value::{Value, ValueError};
 
 pub use direction::Direction;
@@ -102,6 +102,10 @@ pub struct NamedValue {
     pub raw: Vec<u16>,
     /// Its value, or why there is none.
     pub value: Result<Value, ValueError>,
+    /// Whether the value is in its unit: `false` while the register that scales it is not known.
+    pub scaled: bool,
+    /// Its unit as far as it is known, empty for none.
+    pub unit: String,
     /// Its bytes in the frame.
     pub range: Range<usize>,
 }
@@ -115,6 +119,19 @@ pub fn dissect(
     direction: Direction,
     request: Option<&Request>,
     profile: Option<&Profile>,
+) -> Option<Dissection> {
+    dissect_known(frame, mode, direction, request, profile, &mut Known::default())
+}
+
+/// Like [`dissect`], where frames of the same device came before: what they told of scales and units is in `known`, and
+/// what this one tells is put there.
+pub fn dissect_known(
+    frame: &[u8],
+    mode: Mode,
+    direction: Direction,
+    request: Option<&Request>,
+    profile: Option<&Profile>,
+    known: &mut Known,
 ) -> Option<Dissection> {
     let (body, check) = match mode {
         Mode::Rtu => {
@@ -134,7 +151,7 @@ pub fn dissect(
     let request = request.filter(|request| request.function() == function);
     let layout = lay_out(&body, direction, request);
     let place = Place { mode, len: frame.len() };
-    let points = profile.map(|profile| name_values(profile, &layout, function, place)).unwrap_or_default();
+    let points = profile.map(|profile| name_values(profile, &layout, function, place, known)).unwrap_or_default();
     Some(Dissection {
         mode,
         direction,
@@ -179,11 +196,11 @@ impl Place {
     }
 }
 
-fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -> Vec<NamedValue> {
+fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place, known: &mut Known) -> Vec<NamedValue> {
     let Some(address) = layout.words_from else { return Vec::new() };
     // Function 17 reads and writes the registers that function 03 reads.
     let function = if function == 0x17 { 0x03 } else { function };
-    let points = profile.decode_points(function, address, &layout.words);
+    let points = profile.decode_points(function, address, &layout.words, known);
     let named = points.into_iter().map(|found| {
         let registers = found.offset..found.offset + found.point.encoding.registers();
         let bytes = layout.words_at + 2 * registers.start..layout.words_at + 2 * registers.end;
@@ -192,6 +209,8 @@ fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -
             register: found.point.register,
             raw: layout.words[registers].to_vec(),
             value: found.value,
+            scaled: found.scaled,
+            unit: found.unit.into(),
             range: place.of(bytes),
         }
     });

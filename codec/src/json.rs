@@ -3,46 +3,59 @@
 //! Numbers are exact: a decimal is written with the digits that its device sends. Written by hand, because the shape is
 //! small and fixed and a page pays for every byte of code.
 
+use alloc::collections::BTreeMap;
 use alloc::string::String;
 use core::fmt::Write as _;
 
+use crate::UnitId;
 use crate::diagnose::{Diagnosis, Placed};
 use crate::dissect::{Check, Direction, Dissection, NamedValue};
 use crate::line::Mode;
 use crate::pdu::ExceptionCode;
-use crate::profile::{Code, Profile};
+use crate::profile::{Code, Known, Profile};
 use crate::transcript::{Entry, EntryKind, Transcript};
 use crate::value::Value;
 
-/// Writes all entries, a line each.
-pub fn write_lines(out: &mut String, transcript: &Transcript, profile: Option<&Profile>) {
-    for index in 0..transcript.entries().len() {
-        write_entry(out, transcript, index, profile);
-        out.push('\n');
-    }
+/// Writes a transcript's entries one after the other.
+pub struct Lines<'a> {
+    transcript: &'a Transcript,
+    profile: Option<&'a Profile>,
+    next: usize,
+    /// What each unit has told so far of scales and units.
+    known: BTreeMap<UnitId, Known>,
 }
 
-/// Writes one entry as an object without line end; nothing for an index beyond the last.
-pub fn write_entry(out: &mut String, transcript: &Transcript, index: usize, profile: Option<&Profile>) {
-    let Some(entry) = transcript.entries().get(index) else { return };
-    let diagnoses = transcript.diagnoses(index, profile);
-    out.push_str("{\"kind\":");
-    match entry.kind {
-        EntryKind::Noise => {
-            out.push_str("\"noise\"");
-            place(out, index, entry);
-            out.push_str(",\"bytes\":");
-            hex(out, transcript.entry_bytes(index));
-        }
-        EntryKind::Frame => {
-            out.push_str("\"frame\"");
-            place(out, index, entry);
-            frame(out, transcript, index, entry, profile);
-        }
+impl<'a> Lines<'a> {
+    /// At the first entry. Values are named by `profile`.
+    pub fn new(transcript: &'a Transcript, profile: Option<&'a Profile>) -> Self {
+        Self { transcript, profile, next: 0, known: BTreeMap::new() }
     }
-    out.push_str(",\"diagnoses\":");
-    list(out, &diagnoses, write_diagnosis);
-    out.push('}');
+
+    /// Writes the next entry as an object, with a line feed behind it; `false` behind the last one.
+    pub fn write_next(&mut self, out: &mut String) -> bool {
+        let index = self.next;
+        let Some(entry) = self.transcript.entries().get(index) else { return false };
+        self.next += 1;
+        let bytes = self.transcript.entry_bytes(index);
+        let mut unread = Known::default();
+        let known = match (self.profile, self.transcript.unit(index)) {
+            (Some(_), Some(unit)) => self.known.entry(unit).or_default(),
+            _ => &mut unread,
+        };
+        let reading = self.transcript.reading(index, self.profile, known);
+        out.push_str("{\"kind\":");
+        string(out, if entry.kind == EntryKind::Frame { "frame" } else { "noise" });
+        number(out, "index", index);
+        number(out, "offset", entry.offset);
+        match entry.kind {
+            EntryKind::Noise => self::bytes(out, "bytes", bytes),
+            EntryKind::Frame => frame(out, bytes, entry, reading.dissection.as_ref(), self.profile),
+        }
+        key(out, "diagnoses");
+        list(out, &reading.diagnoses, write_diagnosis);
+        out.push_str("}\n");
+        true
+    }
 }
 
 /// Writes a diagnosis as an object: its id and its details.
@@ -76,21 +89,13 @@ pub fn write_diagnosis(out: &mut String, diagnosis: &Diagnosis) {
             key(out, "point");
             string(out, point);
         }
-        Diagnosis::ManualErratum { number: erratum } => number(out, "erratum", usize::from(*erratum)),
+        Diagnosis::ManualErratum { number: erratum } => number(out, "erratum", *erratum),
         Diagnosis::LrcInRtu | Diagnosis::CrcInAscii | Diagnosis::Truncated { expected: None } | Diagnosis::Echo => {}
     }
     out.push('}');
 }
 
-fn place(out: &mut String, index: usize, entry: &Entry) {
-    number(out, "index", index);
-    number(out, "offset", entry.offset);
-}
-
-fn frame(out: &mut String, transcript: &Transcript, index: usize, entry: &Entry, profile: Option<&Profile>) {
-    let frame = transcript.entry_bytes(index);
-    let dissection = transcript.dissect(index, profile);
-    let dissection = dissection.as_ref();
+fn frame(out: &mut String, frame: &[u8], entry: &Entry, dissection: Option<&Dissection>, profile: Option<&Profile>) {
     key(out, "mode");
     string(out, if entry.mode == Mode::Rtu { "rtu" } else { "ascii" });
     key(out, "direction");
@@ -125,7 +130,10 @@ fn frame(out: &mut String, transcript: &Transcript, index: usize, entry: &Entry,
         _ => out.push_str("null"),
     }
     key(out, "bits");
-    out.push_str("null");
+    match dissection.map(|found| found.bits.as_slice()) {
+        Some(bits @ [_, ..]) => list(out, bits, |out, bit| plain(out, *bit)),
+        _ => out.push_str("null"),
+    }
     key(out, "points");
     let points = dissection.map(|found| found.points.as_slice()).unwrap_or_default();
     list(out, points, |out, point| named(out, point, profile));
@@ -166,9 +174,12 @@ fn named(out: &mut String, named: &NamedValue, profile: Option<&Profile>) {
     key(out, "value");
     match named.value {
         Ok(Value::Number(decimal)) => plain(out, decimal),
-        Ok(Value::Float(float)) if float.is_finite() => plain(out, float),
-        Ok(Value::Float(_)) | Err(_) => out.push_str("null"),
-        Ok(Value::Code(code)) => match point.and_then(|point| point.codes.iter().find(|known| known.code == code)) {
+        Ok(value @ (Value::Float(_) | Value::Double(_))) if value.to_f64().is_some_and(f64::is_finite) => {
+            plain(out, value);
+        }
+        Ok(Value::Float(_) | Value::Double(_)) | Err(_) => out.push_str("null"),
+        Ok(Value::Text(_)) => string(out, &text),
+        Ok(Value::Code(code)) => match point.and_then(|point| point.code(code)) {
             Some(Code { number: Some(number), .. }) => plain(out, number),
             Some(Code { name: Some(name), .. }) => string(out, &name.en),
             _ => plain(out, code),
@@ -177,9 +188,13 @@ fn named(out: &mut String, named: &NamedValue, profile: Option<&Profile>) {
     key(out, "text");
     string(out, &text);
     key(out, "unit");
-    match point.map(|point| point.unit.as_str()) {
-        Some(unit) if !unit.is_empty() => string(out, unit),
-        _ => out.push_str("null"),
+    if named.unit.is_empty() {
+        out.push_str("null");
+    } else {
+        string(out, &named.unit);
+    }
+    if !named.scaled {
+        out.push_str(",\"scaled\":false");
     }
     out.push('}');
 }

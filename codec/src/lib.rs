@@ -36,5 +36,6 @@ pub mod stream;
 pub mod transcript;
 mod unit;
 pub mod value;
+pub mod views;
 
 pub use unit::UnitId;

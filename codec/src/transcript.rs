@@ -12,11 +12,12 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use crate::UnitId;
 use crate::diagnose::{self, Diagnosis, Surroundings, shape};
-use crate::dissect::{Direction, Dissection, dissect};
+use crate::dissect::{Direction, Dissection, dissect_known};
 use crate::line::Mode;
 use crate::pdu::Request;
-use crate::profile::Profile;
+use crate::profile::{Known, Profile};
 use crate::segment::Segment;
 use cut::Run;
 use pair::{Pairing, View};
@@ -71,6 +72,15 @@ pub enum EntryKind {
     Frame,
     /// Bytes that belong to no frame.
     Noise,
+}
+
+/// A frame as a reader sees it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// The frame taken apart; `None` for noise and for bytes that cannot be.
+    pub dissection: Option<Dissection>,
+    /// What is wrong or remarkable.
+    pub diagnoses: Vec<Diagnosis>,
 }
 
 impl Entry {
@@ -134,16 +144,29 @@ impl Transcript {
         self.entries.get(index).and_then(|entry| self.bytes.get(entry.range())).unwrap_or_default()
     }
 
-    /// A frame taken apart, as it stands; a response with what its request tells. `None` for noise and for bytes that
-    /// [`dissect`] cannot take apart.
-    pub fn dissect(&self, index: usize, profile: Option<&Profile>) -> Option<Dissection> {
-        let entry = self.entries.get(index).filter(|entry| entry.kind == EntryKind::Frame)?;
+    /// A frame taken apart, as it stands, and what is wrong with it or remarkable, most important first; nothing for noise.
+    ///
+    /// `known` is what earlier frames of its unit told under this profile; a frame with a right check adds to it.
+    pub fn reading(&self, index: usize, profile: Option<&Profile>, known: &mut Known) -> Reading {
+        let Some(entry) = self.entries.get(index).filter(|entry| entry.kind == EntryKind::Frame) else {
+            return Reading::default();
+        };
+        let frame = self.entry_bytes(index);
         let request = self.request_of(entry).and_then(|request| Request::decode(request.get(1..)?).ok());
-        dissect(self.entry_bytes(index), entry.mode, entry.direction, request.as_ref(), profile)
+        let mut unsure = None;
+        let known = if entry.check_ok { known } else { unsure.insert(known.clone()) };
+        let dissection = dissect_known(frame, entry.mode, entry.direction, request.as_ref(), profile, known);
+        let mut diagnoses: Vec<Diagnosis> = Vec::new();
+        diagnoses.extend(profile.and_then(|profile| diagnose::manual_erratum(frame, profile)));
+        diagnoses.extend(self.diagnoses(index));
+        if let (Some(profile), Some(dissection), true) = (profile, &dissection, entry.check_ok) {
+            diagnoses.extend(diagnose::values_out_of_range(dissection, profile));
+        }
+        Reading { dissection, diagnoses }
     }
 
-    /// What is wrong with or remarkable about an entry, most important first. Values are judged where there is a profile.
-    pub fn diagnoses(&self, index: usize, profile: Option<&Profile>) -> Vec<Diagnosis> {
+    /// What is wrong with an entry or remarkable about it, whatever device it comes from, most important first.
+    pub fn diagnoses(&self, index: usize) -> Vec<Diagnosis> {
         let Some(entry) = self.entries.get(index).filter(|entry| entry.kind == EntryKind::Frame) else {
             return Vec::new();
         };
@@ -170,12 +193,17 @@ impl Transcript {
         if unit > 247 {
             found.push(Diagnosis::UnitReserved { unit });
         }
-        if let Some(profile) = profile
-            && let Some(dissection) = self.dissect(index, Some(profile))
-        {
-            found.extend(diagnose::values_out_of_range(&dissection, profile));
-        }
         found
+    }
+
+    /// The unit id of a frame as it stands; `None` for noise and where it cannot be read.
+    pub fn unit(&self, index: usize) -> Option<UnitId> {
+        let entry = self.entries.get(index).filter(|entry| entry.kind == EntryKind::Frame)?;
+        let frame = self.entry_bytes(index);
+        match entry.mode {
+            Mode::Rtu => frame.first().copied().map(UnitId),
+            Mode::Ascii => crate::ascii::decode_body(frame).ok()?.first().copied().map(UnitId),
+        }
     }
 
     /// Unit id and PDU of the request that a response answers; a damaged one as it was meant.

@@ -17,9 +17,6 @@ const MAX_SEARCHED_DIGITS: usize = 40;
 /// Fewest characters behind the colon that are taken for a frame.
 const MIN_DIGITS: usize = 4;
 
-/// The frame of an LRC that a manual prints wrong, and the erratum's number.
-const ERRATA: &[(&[u8], u8)] = &[(&[0x01, 0x03, 0x00, 0x31, 0x00, 0x01, 0xC1], 1)];
-
 /// What is wrong with these characters, if they are one damaged frame as a whole; else nothing.
 pub(super) fn damage(frame: &[u8], around: Surroundings<'_>) -> Vec<Diagnosis> {
     let text: Vec<u8> = frame.iter().map(|character| character & 0x7F).collect();
@@ -92,8 +89,6 @@ fn whole_bytes(digits: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosi
     if sum(&bytes) == 0 {
         return;
     }
-    let erratum = ERRATA.iter().find(|(frame, _)| *frame == bytes.as_slice());
-    found.extend(erratum.map(|(_, number)| Diagnosis::ManualErratum { number: *number }));
     if let Some((body, check)) = bytes.split_last_chunk::<2>()
         && body.len() >= 2
         && (crc16(body).to_le_bytes() == *check || crc16(body).to_be_bytes() == *check)

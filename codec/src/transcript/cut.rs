@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::dissect::Direction;
 use crate::line::Mode;
-use crate::stream::{Piece, Splitter};
+use crate::stream::{Found, PieceKind, Splitter};
 
 /// A stretch of the stream that no frame crosses.
 #[derive(Clone, Debug)]
@@ -42,9 +42,8 @@ impl Run {
     }
 
     pub(super) fn next_piece(&mut self) -> Option<Cut> {
-        let piece = self.splitter.next_piece()?;
-        let span = piece.span();
-        let start = self.start + span.offset;
-        Some(Cut { range: start..start + span.bytes.len(), is_frame: matches!(piece, Piece::Frame(_)) })
+        let Found { offset, bytes, kind } = self.splitter.next_piece()?;
+        let start = self.start.saturating_add(usize::try_from(offset).ok()?);
+        Some(Cut { range: start..start.saturating_add(bytes.len()), is_frame: matches!(kind, PieceKind::Frame(_)) })
     }
 }
