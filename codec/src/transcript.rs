@@ -172,11 +172,10 @@ impl Transcript {
         };
         let frame = self.entry_bytes(index);
         let request = self.request_of(entry);
-        let around = Surroundings { direction: entry.direction, request: request.as_deref() };
+        // A damaged frame's own bytes say little of its direction.
+        let around = Surroundings { direction: entry.mark, request: request.as_deref() };
         if !entry.check_ok {
-            let found = diagnose::damage(entry.mode, frame, around);
-            // Pairing may have ruled out what made it a frame at first.
-            return if found.is_empty() { diagnose::damage(entry.mode, frame, Surroundings::UNKNOWN) } else { found };
+            return diagnose::damage(entry.mode, frame, around);
         }
         let mut found = Vec::new();
         let Some(View { unit, pdu }) = View::of(entry.mode, frame, around) else { return found };

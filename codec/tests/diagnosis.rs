@@ -90,21 +90,29 @@ fn shown(frame: &[u8]) -> Vec<u8> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
     #[test]
     fn every_single_bit_is_located(frame in frames()) {
         prop_assume!(frame.len() <= 64);
-        for byte in 0..frame.len() {
-            for bit in 0..8 {
-                let mut damaged = frame.clone();
-                damaged[byte] ^= 1 << bit;
-                let expected = Diagnosis::SingleBitError { byte, bit, repaired: frame.clone() };
-                let found = alone(Mode::Rtu, &damaged);
-                prop_assert_eq!(&found[0], &expected);
-                prop_assert_eq!(found.last().unwrap().id(), "bad_crc");
-                let found = between(Mode::Rtu, &damaged);
-                prop_assert_eq!(found.as_ref().map(|found| &found[0]), Some(&expected));
-            }
+        for (byte, bit) in (0..frame.len()).flat_map(|byte| (0..8).map(move |bit| (byte, bit))) {
+            let mut damaged = frame.clone();
+            damaged[byte] ^= 1 << bit;
+            let found = alone(Mode::Rtu, &damaged);
+            prop_assert_eq!(&found[0], &Diagnosis::SingleBitError { byte, bit, repaired: frame.clone() });
+            prop_assert_eq!(found.last().unwrap().id(), "bad_crc");
         }
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_single_bit_is_located_between_good_frames(frame in frames(), byte in any::<Index>(), bit in 0u8..8) {
+        let byte = byte.index(frame.len());
+        let mut damaged = frame.clone();
+        damaged[byte] ^= 1 << bit;
+        let expected = Diagnosis::SingleBitError { byte, bit, repaired: frame };
+        let found = between(Mode::Rtu, &damaged);
+        prop_assert_eq!(found.as_ref().map(|found| &found[0]), Some(&expected));
     }
 
     #[test]
@@ -112,7 +120,8 @@ proptest! {
         let at = at.index(frame.len());
         let mut damaged = frame.clone();
         damaged.remove(at);
-        // Of a lost first byte nothing tells but the check.
+        // Without a zero at its end the check stays right.
+        prop_assume!(rtu::decode(&damaged).is_err());
         for found in [Some(alone(Mode::Rtu, &damaged)), between(Mode::Rtu, &damaged)] {
             let found = found.unwrap();
             let missing = found.iter().find(|found| found.id() == "missing_byte");
@@ -186,6 +195,8 @@ proptest! {
         prop_assume!(frame.len() >= 8);
         let len = 4 + cut.index(frame.len() - 4);
         let found = alone(Mode::Rtu, &frame[..len]);
+        // By chance one byte more makes a shorter frame.
+        prop_assume!(!matches!(found[0], Diagnosis::MissingByte { repair: Some(_) }) || len + 1 == frame.len());
         let truncated = found.iter().find(|found| found.id() == "truncated");
         match truncated {
             Some(Diagnosis::Truncated { expected: Some(expected) }) => prop_assert_eq!(*expected, frame.len()),
@@ -194,11 +205,11 @@ proptest! {
     }
 
     #[test]
-    fn two_wrong_bytes_are_a_bad_check(frame in frames(), a in any::<Index>(), b in any::<Index>()) {
+    fn two_wrong_bytes_are_a_bad_check(unit in 1u8..=247, values in prop::collection::vec(any::<u16>(), 1..=25), a in any::<Index>(), b in any::<Index>()) {
         // Within the data, so that the frame keeps its shape.
-        prop_assume!(frame[1] != 0x10 && frame[1] < 0x80 && frame.len() > 8);
-        let (a, b) = (3 + a.index(frame.len() - 5), 3 + b.index(frame.len() - 5));
-        prop_assume!(a != b);
+        let frame = rtu::encode(UnitId(unit), &Response::ReadHoldingRegisters { values }.encode().unwrap()).unwrap();
+        let a = 3 + a.index(frame.len() - 5);
+        let b = a + 1 + b.index(frame.len() - 1 - a);
         let mut damaged = frame.clone();
         damaged[a] ^= 0x5A;
         damaged[b] ^= 0xA7;
@@ -299,7 +310,7 @@ proptest! {
                 prop_assert_ne!(other.direction, entry.direction);
             }
             let found = whole.diagnoses(index);
-            prop_assert!(entry.kind == EntryKind::Noise || entry.check_ok || !found.is_empty());
+            prop_assert!(entry.kind == EntryKind::Noise || entry.check_ok || !found.is_empty(), "{:?} {:02X?}", entry, whole.entry_bytes(index));
         }
         prop_assert_eq!(at, stream.len());
     }

@@ -128,7 +128,8 @@ fn may_be_cut_off(diagnosis: &Diagnosis, len: usize) -> bool {
     }
 }
 
-fn truncated(frame: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
+/// Whether the bytes begin a frame that is longer than they are.
+pub(crate) fn truncated(frame: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
     let [unit, pdu @ ..] = frame else { return None };
     let function = *pdu.first()?;
     if !shape::is_known(function) || *unit > 247 {

@@ -158,7 +158,13 @@ impl Search {
 
     /// The first place in a line where a damaged frame stands and ends before the line does.
     fn first_frame(&mut self, bytes: &[u8], known: &Known<'_>) -> Option<Range<usize>> {
-        if let Some(len) = self.frame_on_clean_ground(bytes, known) {
+        let lengths = self.lengths(bytes, known);
+        if let Some(len) = lengths.iter().find(|len| mended(&bytes[..**len], known, is_in_place)) {
+            return Some(0..*len);
+        }
+        // A header that asks for more bytes than there are tells more than a byte that may be lost or added.
+        let is_cut_off = bytes.len() <= MAX_LEN && rtu::truncated(bytes, known.surroundings()).is_some();
+        if !is_cut_off && let Some(len) = length_on_clean_ground(bytes, &lengths, known) {
             return Some(0..len);
         }
         for at in 1..bytes.len() {
@@ -167,38 +173,12 @@ impl Search {
             if !known.units.contains(unit) || !shape::is_known(function) {
                 continue;
             }
-            for len in self.lengths(rest, known) {
-                if mended(&rest[..len], known, |found| {
-                    matches!(found, Diagnosis::SingleBitError { .. } | Diagnosis::SwappedCrc { .. })
-                }) {
-                    return Some(at..at + len);
-                }
+            let lengths = self.lengths(rest, known);
+            if let Some(len) = lengths.into_iter().find(|len| mended(&rest[..*len], known, is_in_place)) {
+                return Some(at..at + len);
             }
         }
         None
-    }
-
-    fn frame_on_clean_ground(&mut self, bytes: &[u8], known: &Known<'_>) -> Option<usize> {
-        let lengths = self.lengths(bytes, known);
-        let in_place =
-            |found: &Diagnosis| matches!(found, Diagnosis::SingleBitError { .. } | Diagnosis::SwappedCrc { .. });
-        if let Some(len) = lengths.iter().find(|len| mended(&bytes[..**len], known, in_place)) {
-            return Some(*len);
-        }
-        for len in &lengths {
-            let shorter = &bytes[..len.saturating_sub(1)];
-            if mended(shorter, known, |found| matches!(found, Diagnosis::MissingByte { .. } | Diagnosis::LrcInRtu)) {
-                return Some(shorter.len());
-            }
-            let Some(longer) = bytes.get(..len + 1) else { continue };
-            if mended(longer, known, |found| matches!(found, Diagnosis::ExtraByte { .. })) {
-                return Some(longer.len());
-            }
-        }
-        lengths.into_iter().find(|len| {
-            let frame = &bytes[..*len];
-            frame.first().is_some_and(|unit| known.units.contains(*unit)) && rtu::is_whole(frame, known.surroundings())
-        })
     }
 
     /// Lengths that a frame at the start of `bytes` may have, as far as they end within it and the budget allows.
@@ -244,6 +224,29 @@ impl Search {
 /// that mends them.
 fn is_specific(bytes: &[u8], known: &Known<'_>) -> bool {
     is_right(Mode::Rtu, bytes) || rtu::is_whole(bytes, known.surroundings()) || mended(bytes, known, |_| true)
+}
+
+/// The length of a frame at the start of a stretch that lost or gained a byte, or that has nothing but its shape.
+fn length_on_clean_ground(bytes: &[u8], lengths: &[usize], known: &Known<'_>) -> Option<usize> {
+    for len in lengths {
+        let shorter = bytes.get(..len.saturating_sub(1)).unwrap_or_default();
+        if mended(shorter, known, |found| matches!(found, Diagnosis::MissingByte { .. } | Diagnosis::LrcInRtu)) {
+            return Some(shorter.len());
+        }
+        let Some(longer) = bytes.get(..len + 1) else { continue };
+        if mended(longer, known, |found| matches!(found, Diagnosis::ExtraByte { .. })) {
+            return Some(longer.len());
+        }
+    }
+    lengths.iter().copied().find(|len| {
+        bytes.get(..*len).is_some_and(|frame| {
+            frame.first().is_some_and(|unit| known.units.contains(*unit)) && rtu::is_whole(frame, known.surroundings())
+        })
+    })
+}
+
+fn is_in_place(found: &Diagnosis) -> bool {
+    matches!(found, Diagnosis::SingleBitError { .. } | Diagnosis::SwappedCrc { .. })
 }
 
 fn mended(bytes: &[u8], known: &Known<'_>, by: impl FnMut(&Diagnosis) -> bool) -> bool {
