@@ -4,6 +4,7 @@
 //! with a right check are cut out first; what lies between them is searched for damaged frames ([`crate::diagnose`]),
 //! and what is still left is noise. All work is linear in the stream: noise gets a bounded amount of work for each byte.
 
+mod choose;
 mod cut;
 mod pair;
 mod recover;
