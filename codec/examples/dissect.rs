@@ -18,7 +18,8 @@ const USAGE: u8 = 2;
 const PORTION: usize = 1 << 16;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let arguments: Vec<String> =
+        env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
     let (mut out, mut notes) = (io::stdout().lock(), io::stderr().lock());
     match run(&arguments, &mut io::stdin().lock(), &mut out, &mut notes) {
         Ok(code) => ExitCode::from(code),

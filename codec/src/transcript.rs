@@ -310,3 +310,6 @@ impl Transcript {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

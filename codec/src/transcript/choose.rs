@@ -27,7 +27,8 @@ impl Transcript {
 
     fn score(&self, profile: &Profile, check_ok: bool) -> u32 {
         let wanted = self.entries.iter().enumerate();
-        let wanted = wanted.filter(|(_, entry)| entry.kind == EntryKind::Frame && entry.check_ok == check_ok && !entry.echo);
+        let wanted =
+            wanted.filter(|(_, entry)| entry.kind == EntryKind::Frame && entry.check_ok == check_ok && !entry.echo);
         let mut sum = 0u32;
         for (index, _) in wanted.take(MOST_FRAMES) {
             let Some(found) = self.reading(index, None, &mut Known::default()).dissection else { continue };
