@@ -156,7 +156,7 @@ impl Words<'_> {
     fn point_part(&self, point: &Point, named: &NamedValue) -> Part {
         let t = self.language;
         let value = match named.value {
-            Ok(value) => with_unit(value_text(t, point, value), &point.unit),
+            Ok(value) => with_unit(value_text(t, point, value), &named.unit),
             Err(_) => t.value_invalid().to_owned(),
         };
         let kind = if named.value.is_ok() { "data" } else { "wrong" };
@@ -261,7 +261,7 @@ impl Words<'_> {
                 let point = self.profile.point(&named.point)?;
                 let value =
                     named.value.ok().map_or_else(|| t.value_invalid().to_owned(), |value| value_text(t, point, value));
-                Some([pick(t, &point.name), " ", &with_unit(value, &point.unit)].concat())
+                Some([pick(t, &point.name), " ", &with_unit(value, &named.unit)].concat())
             })
             .collect();
         if !values.is_empty() {
@@ -292,12 +292,7 @@ impl Words<'_> {
     fn names_at(&self, function: u8, address: u16, quantity: u16) -> String {
         let inside = |point: &&Point| {
             let last = u32::from(address) + u32::from(quantity);
-            let table = match point.table {
-                buslens_codec::profile::Table::Input => function == 4,
-                buslens_codec::profile::Table::Holding => matches!(function, 3 | 6 | 16),
-                buslens_codec::profile::Table::Coil => function == 5,
-            };
-            table && point.register >= address && u32::from(point.register) < last
+            point.uses(function) && point.register >= address && u32::from(point.register) < last
         };
         let names: Vec<&str> =
             self.profile.points.iter().filter(inside).map(|point| pick(self.language, &point.name)).collect();

@@ -85,6 +85,15 @@ impl Device {
         self.profile.measurements()
     }
 
+    /// The unit of a point: its own, or what the device says it is.
+    pub(crate) fn unit(&self, language: Language, status: &Status, point: &Point) -> String {
+        let told = || {
+            let teller = self.profile.point(point.unit_from.as_deref()?)?;
+            Some(value_text(language, teller, reading(status, &teller.id)?))
+        };
+        told().unwrap_or_else(|| point.unit.clone())
+    }
+
     /// The wires of its cable.
     pub(crate) fn wires(&self) -> &[Wire] {
         &self.profile.wiring
@@ -137,8 +146,8 @@ pub(crate) fn value_text(language: Language, point: &Point, value: Value) -> Str
 pub(crate) fn decimals(value: Value) -> u8 {
     match value {
         Value::Number(decimal) => decimal.decimals,
-        Value::Float(_) => 3,
-        Value::Code(_) => 0,
+        Value::Float(_) | Value::Double(_) => 3,
+        Value::Code(_) | Value::Text(_) => 0,
     }
 }
 
@@ -163,6 +172,18 @@ mod tests {
         let value = Value::Number(Decimal { mantissa: -328, decimals: 3 });
         assert_eq!(value_text(Language::En, device.measurements()[0], value), "\u{2212}0.328");
         assert_eq!(decimals(value), 3);
+    }
+
+    #[test]
+    fn a_device_tells_its_unit() {
+        let device = find("level");
+        let value = device.profile().point("value").unwrap();
+        let reading = crate::message::Reading { point: "unit".to_owned(), value: Value::Code(1) };
+        let status = Status { readings: vec![reading], ..Status::default() };
+        assert_eq!(device.unit(Language::En, &status, value), "kPa");
+        assert_eq!(device.unit(Language::En, &Status::default(), value), "");
+        let displacement = find("lvdt").measurements()[0];
+        assert_eq!(find("lvdt").unit(Language::En, &status, displacement), "mm");
     }
 
     #[test]

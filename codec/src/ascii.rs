@@ -1,12 +1,13 @@
 //! ASCII mode: `:`, unit id and PDU and LRC as hexadecimal digits, CR LF (serial line guide, clause 2.5.2).
 //!
-//! A frame that [`encode`] made always [`decode`]s to the same unit and PDU. [`decode`] takes any bytes and never panics.
+//! A frame that [`encode`] made always [`decode`]s to the same unit and PDU, and [`encode`] cannot fail for a PDU of 1 to 253
+//! bytes. [`decode`] takes any bytes and never panics. It takes characters of seven bits and of eight, whose eighth may be
+//! a parity bit, and digits in either case; [`encode`] makes upper-case digits with the eighth bit clear.
 
 use alloc::vec::Vec;
 
 use crate::UnitId;
 use crate::check::lrc;
-use crate::rtu::MAX_PDU_LEN;
 
 /// Longest frame in characters.
 pub const MAX_ADU_LEN: usize = 513;
@@ -58,11 +59,11 @@ pub struct AsciiAdu {
 
 /// Puts a PDU of 1 to 253 bytes into a frame.
 pub fn encode(unit: UnitId, pdu: &[u8]) -> Result<Vec<u8>, AduError> {
-    let len = 2 * pdu.len() + 7;
-    if pdu.is_empty() {
+    let len = pdu.len().saturating_mul(2).saturating_add(7);
+    if len < MIN_ADU_LEN {
         return Err(AduError::TooShort(len));
     }
-    if pdu.len() > MAX_PDU_LEN {
+    if len > MAX_ADU_LEN {
         return Err(AduError::TooLong(len));
     }
     let mut body = Vec::with_capacity(pdu.len() + 2);

@@ -1,16 +1,150 @@
 //! The two checks of the serial line: CRC-16 in RTU mode, LRC in ASCII mode.
+//!
+//! The CRC of a whole frame, check included, is zero exactly where the check is right: the one test that the search for
+//! frames needs ([`is_right`]). On a processor eight bytes are taken at once through eight tables (4 KB); in the page, where
+//! every byte is downloaded, one table (512 bytes) does.
 
-use crc::{CRC_16_MODBUS, Crc};
+/// The polynomial x^16 + x^15 + x^2 + 1, lowest bit first (serial line guide, clause 6.2.2).
+const POLYNOMIAL: u16 = 0xA001;
+/// The CRC of no bytes.
+const START: u16 = 0xFFFF;
 
-/// The small table: it costs 512 bytes of a page's download.
-const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_MODBUS);
+/// Tables, and bytes that one step takes.
+const STRIDE: usize = if cfg!(target_arch = "wasm32") { 1 } else { 8 };
+
+/// `TABLES[n][byte]`: what `byte` leaves in the CRC after itself and `n` zeros.
+static TABLES: [[u16; 256]; STRIDE] = tables();
 
 /// CRC-16 over unit id and PDU; sent low byte first (serial line guide, clause 2.5.1.2).
+#[inline]
 pub fn crc16(bytes: &[u8]) -> u16 {
-    CRC.checksum(bytes)
+    extend(START, bytes)
+}
+
+/// Whether the last two bytes of `frame` are the CRC-16 of those before them. Not of fewer than two.
+#[inline]
+pub fn is_right(frame: &[u8]) -> bool {
+    frame.len() >= 2 && crc16(frame) == 0
 }
 
 /// LRC over the decoded unit id and PDU: the two's complement of their sum (serial line guide, clause 2.5.2.2).
 pub fn lrc(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0u8, |sum, byte| sum.wrapping_add(*byte)).wrapping_neg()
+}
+
+/// The CRC `crc` after one more byte.
+#[inline]
+pub(crate) fn step(crc: u16, byte: u8) -> u16 {
+    let [low, high] = (crc ^ u16::from(byte)).to_le_bytes();
+    TABLES[0][usize::from(low)] ^ u16::from(high)
+}
+
+/// The CRC `crc` after more bytes.
+#[inline]
+fn extend(crc: u16, bytes: &[u8]) -> u16 {
+    let (blocks, rest) = bytes.as_chunks::<STRIDE>();
+    let crc = blocks.iter().fold(crc, |crc, block| stride(crc, *block));
+    rest.iter().fold(crc, |crc, byte| step(crc, *byte))
+}
+
+/// Takes [`STRIDE`] bytes at once. The CRC is linear: each byte adds what its table holds, and the CRC so far counts as
+/// added to the first two bytes.
+#[inline]
+fn stride(crc: u16, mut block: [u8; STRIDE]) -> u16 {
+    if STRIDE == 1 {
+        return step(crc, block[0]);
+    }
+    for (byte, part) in block.iter_mut().zip(crc.to_le_bytes()) {
+        *byte ^= part;
+    }
+    TABLES.iter().rev().zip(block).fold(0, |sum, (table, byte)| sum ^ table[usize::from(byte)])
+}
+
+const fn tables() -> [[u16; 256]; STRIDE] {
+    let mut tables = [[0; 256]; STRIDE];
+    let mut byte = 0;
+    while byte < 256 {
+        #[expect(clippy::cast_possible_truncation, reason = "less than 256")]
+        let mut crc = byte as u16;
+        let mut bit = 0;
+        while bit < 8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ POLYNOMIAL } else { crc >> 1 };
+            bit += 1;
+        }
+        tables[0][byte] = crc;
+        byte += 1;
+    }
+    let mut zeros = 1;
+    while zeros < STRIDE {
+        let mut byte = 0;
+        while byte < 256 {
+            let before = tables[zeros - 1][byte];
+            tables[zeros][byte] = before >> 8 ^ tables[0][(before & 0xFF) as usize];
+            byte += 1;
+        }
+        zeros += 1;
+    }
+    tables
+}
+
+/// `crc` after some zeros, in the same time for any number of them: they multiply the CRC by a power of x, which stands at
+/// their number in [`powers`].
+fn after_zeros(crc: u16, power: u16) -> u16 {
+    let (mut sum, mut shifted) = (0, crc);
+    for bit in (0..16).rev() {
+        sum ^= shifted * (power >> bit & 1);
+        shifted = shifted >> 1 ^ POLYNOMIAL * (shifted & 1);
+    }
+    sum
+}
+
+/// The factors for 0, 1, 2... zeros.
+pub(crate) fn powers() -> impl Iterator<Item = u16> {
+    // The highest bit stands for x to the 0.
+    core::iter::successors(Some(0x8000), |power| Some(step(*power, 0)))
+}
+
+/// The CRC of bytes that begin where a longer run of bytes had `before`, and end where it had `after`, the run having
+/// begun with a CRC of zero. `power` is that of their number.
+#[inline]
+pub(crate) fn between(before: u16, after: u16, power: u16) -> u16 {
+    after ^ after_zeros(before ^ START, power)
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use crc::{CRC_16_MODBUS, Crc};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn the_catalogue_agrees() {
+        assert_eq!(crc16(b"123456789"), 0x4B37);
+        assert_eq!(crc16(&[]), 0xFFFF);
+        assert!(!is_right(&[]) && !is_right(&[0xFF]));
+    }
+
+    proptest! {
+        #[test]
+        fn any_length_agrees_with_another_implementation(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            prop_assert_eq!(crc16(&bytes), Crc::<u16>::new(&CRC_16_MODBUS).checksum(&bytes));
+        }
+
+        #[test]
+        fn a_run_of_bytes_tells_the_check_of_each_part(
+            bytes in prop::collection::vec(any::<u8>(), 0..300),
+            ends in any::<[prop::sample::Index; 2]>(),
+        ) {
+            let mut ends = ends.map(|end| end.index(bytes.len() + 1));
+            ends.sort_unstable();
+            let run: Vec<u16> = core::iter::once(0)
+                .chain(bytes.iter().scan(0, |crc, byte| { *crc = step(*crc, *byte); Some(*crc) }))
+                .collect();
+            let power = powers().nth(ends[1] - ends[0]).unwrap();
+            prop_assert_eq!(between(run[ends[0]], run[ends[1]], power), crc16(&bytes[ends[0]..ends[1]]));
+        }
+    }
 }

@@ -2,6 +2,13 @@
 //!
 //! A frame with a wrong check is taken apart all the same, as far as its shape allows; nothing is guessed and no value is
 //! changed. Nothing here makes texts: that is the page's part, in two languages.
+//!
+//! [`dissect`] takes any bytes and never panics.
+
+mod direction;
+mod fault;
+mod field;
+mod layout;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -10,20 +17,16 @@ use core::ops::Range;
 use crate::UnitId;
 use crate::check::{crc16, lrc};
 use crate::line::Mode;
-use crate::pdu::{ExceptionCode, PduError, Request, Response};
-use crate::profile::Profile;
+use crate::pdu::{ExceptionCode, PduError, Request};
+use crate::profile::{Known, Profile};
 use crate::value::{Value, ValueError};
 
-/// Which way a frame goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// From the master.
-    Request,
-    /// From a device.
-    Response,
-    /// It can be either: functions 05 and 06 are answered by the request itself.
-    Unknown,
-}
+pub use direction::Direction;
+pub use field::{Field, FieldKind};
+
+use direction::direction_of;
+use fault::fault_of;
+use layout::{Layout, lay_out};
 
 /// A frame taken apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,63 +41,25 @@ pub struct Dissection {
     pub function: u8,
     /// The exception code, if it is one.
     pub exception: Option<ExceptionCode>,
-    /// First register or coil: from the request, also on its response.
+    /// First register, coil or input: from the request, also on its response. Of function 17 the first that is read.
     pub address: Option<u16>,
-    /// How many registers.
+    /// How many registers, coils or inputs from there: from the request, also on its response. `None` for functions that
+    /// have no such field.
     pub quantity: Option<u16>,
-    /// Registers read or written.
+    /// Registers read or written: functions 03, 04, 06, 10, 17 (what this frame carries) and 18, and the two masks of
+    /// function 16.
     pub registers: Vec<u16>,
+    /// Coils or inputs read or written: functions 01, 02, 05 and 0F. Of replies as many as their request asked for; all
+    /// bits of their bytes where it is not known.
+    pub bits: Vec<bool>,
     /// The check.
     pub check: Check,
     /// All bytes in order; each belongs to exactly one field.
     pub fields: Vec<Field>,
     /// Values under the profile.
     pub points: Vec<NamedValue>,
-    /// Why the PDU is none of its function, though the frame may be whole.
+    /// Why the PDU is none of its function or does not answer its request, though the frame may be whole.
     pub fault: Option<PduError>,
-}
-
-/// Some bytes of the frame.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Field {
-    /// Their place.
-    pub range: Range<usize>,
-    /// What they are.
-    pub kind: FieldKind,
-}
-
-/// What bytes are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FieldKind {
-    /// The colon of ASCII mode.
-    Start,
-    /// The unit id.
-    Unit(UnitId),
-    /// The function code as sent, with an exception's top bit.
-    Function(u8),
-    /// Why the device refuses.
-    Exception(ExceptionCode),
-    /// The first register or the coil.
-    Address(u16),
-    /// How many registers.
-    Quantity(u16),
-    /// How many bytes follow.
-    ByteCount(u8),
-    /// A register's value.
-    Register {
-        /// Its address, where it is known.
-        address: Option<u16>,
-        /// Its value.
-        value: u16,
-    },
-    /// A coil's value: FF00 is on, 0000 is off.
-    Coil(u16),
-    /// Bytes without a known meaning.
-    Data,
-    /// CRC or LRC.
-    Check,
-    /// CR LF of ASCII mode.
-    End,
 }
 
 /// The check of a frame.
@@ -137,18 +102,36 @@ pub struct NamedValue {
     pub raw: Vec<u16>,
     /// Its value, or why there is none.
     pub value: Result<Value, ValueError>,
+    /// Whether the value is in its unit: `false` while the register that scales it is not known.
+    pub scaled: bool,
+    /// Its unit as far as it is known, empty for none.
+    pub unit: String,
     /// Its bytes in the frame.
     pub range: Range<usize>,
 }
 
-/// Takes one frame apart. `request` is what a response answers, where that is known. `None` for bytes that are too few to
-/// hold a unit id, a function code and a check, and for characters of ASCII mode that are no digits.
+/// Takes one frame apart. `request` is what a response answers, where that is known; it is not looked at for a frame of
+/// another function. `None` for bytes that are too few to hold a unit id, a function code and a check, and for characters of
+/// ASCII mode that are no frame but for the LRC.
 pub fn dissect(
     frame: &[u8],
     mode: Mode,
     direction: Direction,
     request: Option<&Request>,
     profile: Option<&Profile>,
+) -> Option<Dissection> {
+    dissect_known(frame, mode, direction, request, profile, &mut Known::default())
+}
+
+/// Like [`dissect`], where frames of the same device came before: what they told of scales and units is in `known`, and
+/// what this one tells is put there.
+pub fn dissect_known(
+    frame: &[u8],
+    mode: Mode,
+    direction: Direction,
+    request: Option<&Request>,
+    profile: Option<&Profile>,
+    known: &mut Known,
 ) -> Option<Dissection> {
     let (body, check) = match mode {
         Mode::Rtu => {
@@ -162,34 +145,27 @@ pub fn dissect(
             (body, Check::Lrc { found, expected })
         }
     };
-    let &[unit, function, ..] = body.as_slice() else { return None };
-    let direction = direction_of(&body[1..], direction);
-    let request = request.filter(|request| request.function() == function & 0x7F);
+    let (&unit, pdu) = body.split_first()?;
+    let function = pdu.first()? & 0x7F;
+    let direction = direction_of(pdu, direction);
+    let request = request.filter(|request| request.function() == function);
     let layout = lay_out(&body, direction, request);
     let place = Place { mode, len: frame.len() };
-    let mut fields = Vec::new();
-    if mode == Mode::Ascii {
-        fields.push(Field { range: 0..1, kind: FieldKind::Start });
-    }
-    fields.extend(layout.fields.iter().map(|(range, kind)| Field { range: place.of(range.clone()), kind: *kind }));
-    fields.push(Field { range: place.check(), kind: FieldKind::Check });
-    if mode == Mode::Ascii {
-        fields.push(Field { range: frame.len() - 2..frame.len(), kind: FieldKind::End });
-    }
-    let points = profile.map(|profile| name_values(profile, &layout, function, place)).unwrap_or_default();
+    let points = profile.map(|profile| name_values(profile, &layout, function, place, known)).unwrap_or_default();
     Some(Dissection {
         mode,
         direction,
         unit: UnitId(unit),
-        function: function & 0x7F,
+        function,
         exception: layout.exception,
         address: layout.address,
         quantity: layout.quantity,
-        registers: layout.registers,
+        registers: if function == 0x05 { Vec::new() } else { layout.words },
+        bits: layout.bits,
         check,
-        fields,
+        fields: place.around(layout.fields),
         points,
-        fault: layout.fault,
+        fault: fault_of(pdu, direction, request),
     })
 }
 
@@ -208,177 +184,33 @@ impl Place {
         }
     }
 
-    fn check(self) -> Range<usize> {
-        match self.mode {
-            Mode::Rtu => self.len - 2..self.len,
-            Mode::Ascii => self.len - 4..self.len - 2,
-        }
+    /// The frame's fields from the body's.
+    fn around(self, body: Vec<Field>) -> Vec<Field> {
+        let ascii = self.mode == Mode::Ascii;
+        let (start, end) = (usize::from(ascii), if ascii { self.len - 2 } else { self.len });
+        let body = body.into_iter().map(|field| Field { range: self.of(field.range), kind: field.kind });
+        let start = ascii.then_some(Field { range: 0..start, kind: FieldKind::Start });
+        let check = Field { range: end - 2..end, kind: FieldKind::Check };
+        let end = ascii.then_some(Field { range: end..self.len, kind: FieldKind::End });
+        start.into_iter().chain(body).chain([check]).chain(end).collect()
     }
 }
 
-/// The body's bytes in fields, and what they say.
-#[derive(Default)]
-struct Layout {
-    fields: Vec<(Range<usize>, FieldKind)>,
-    exception: Option<ExceptionCode>,
-    address: Option<u16>,
-    quantity: Option<u16>,
-    registers: Vec<u16>,
-    /// Where the registers begin in the body.
-    registers_at: usize,
-    fault: Option<PduError>,
-}
-
-/// Judges by the shape of the PDU where the caller does not know: a read request has five bytes and a read reply never.
-fn direction_of(pdu: &[u8], hint: Direction) -> Direction {
-    match (pdu[0], pdu.len()) {
-        (0x80.., _) => Direction::Response,
-        _ if hint != Direction::Unknown => hint,
-        (0x03 | 0x04, len) => {
-            if len == 5 {
-                Direction::Request
-            } else {
-                Direction::Response
-            }
-        }
-        (0x10, len) => {
-            if len == 5 {
-                Direction::Response
-            } else {
-                Direction::Request
-            }
-        }
-        _ => Direction::Unknown,
-    }
-}
-
-fn lay_out(body: &[u8], direction: Direction, request: Option<&Request>) -> Layout {
-    let mut layout = Layout::default();
-    layout.fields.push((0..1, FieldKind::Unit(UnitId(body[0]))));
-    layout.fields.push((1..2, FieldKind::Function(body[1])));
-    let mut walk = Walk { body, at: 2 };
-    let fault = match direction {
-        Direction::Response => Response::decode(&body[1..]).err(),
-        Direction::Request | Direction::Unknown => Request::decode(&body[1..]).err(),
-    };
-    layout.fault = fault;
-    match (body[1], direction) {
-        (0x80.., _) => {
-            if let Some(range) = walk.take(1) {
-                let code = ExceptionCode::from(body[range.start]);
-                layout.exception = Some(code);
-                layout.fields.push((range, FieldKind::Exception(code)));
-            }
-        }
-        (0x03 | 0x04, Direction::Response) => {
-            let (address, quantity) = match request {
-                Some(
-                    Request::ReadHoldingRegisters { address, quantity }
-                    | Request::ReadInputRegisters { address, quantity },
-                ) => (Some(*address), Some(*quantity)),
-                _ => (None, None),
-            };
-            (layout.address, layout.quantity) = (address, quantity);
-            layout.byte_count(&mut walk);
-            layout.take_registers(&mut walk);
-        }
-        (0x03 | 0x04, _) | (0x10, Direction::Response) => {
-            layout.take_address(&mut walk);
-            layout.take_quantity(&mut walk);
-        }
-        (0x05, _) => {
-            layout.take_address(&mut walk);
-            if let Some((range, value)) = walk.word() {
-                layout.registers_at = range.start;
-                layout.registers.push(value);
-                layout.fields.push((range, FieldKind::Coil(value)));
-            }
-        }
-        (0x06, _) => {
-            layout.take_address(&mut walk);
-            if let Some((range, value)) = walk.word() {
-                layout.registers_at = range.start;
-                layout.registers.push(value);
-                layout.fields.push((range, FieldKind::Register { address: layout.address, value }));
-            }
-        }
-        (0x10, _) => {
-            layout.take_address(&mut walk);
-            layout.take_quantity(&mut walk);
-            layout.byte_count(&mut walk);
-            layout.take_registers(&mut walk);
-        }
-        _ => {}
-    }
-    if walk.at < body.len() {
-        layout.fields.push((walk.at..body.len(), FieldKind::Data));
-    }
-    layout
-}
-
-impl Layout {
-    fn take_address(&mut self, walk: &mut Walk<'_>) {
-        if let Some((range, address)) = walk.word() {
-            self.address = Some(address);
-            self.fields.push((range, FieldKind::Address(address)));
-        }
-    }
-
-    fn take_quantity(&mut self, walk: &mut Walk<'_>) {
-        if let Some((range, quantity)) = walk.word() {
-            self.quantity = Some(quantity);
-            self.fields.push((range, FieldKind::Quantity(quantity)));
-        }
-    }
-
-    fn byte_count(&mut self, walk: &mut Walk<'_>) {
-        if let Some(range) = walk.take(1) {
-            self.fields.push((range.clone(), FieldKind::ByteCount(walk.body[range.start])));
-        }
-    }
-
-    fn take_registers(&mut self, walk: &mut Walk<'_>) {
-        self.registers_at = walk.at;
-        let mut address = self.address;
-        while let Some((range, value)) = walk.word() {
-            self.registers.push(value);
-            self.fields.push((range, FieldKind::Register { address, value }));
-            address = address.and_then(|address| address.checked_add(1));
-        }
-    }
-}
-
-/// Goes through the body and never over its end.
-struct Walk<'a> {
-    body: &'a [u8],
-    at: usize,
-}
-
-impl Walk<'_> {
-    fn take(&mut self, count: usize) -> Option<Range<usize>> {
-        let range = self.at..self.at + count;
-        self.body.get(range.clone())?;
-        self.at = range.end;
-        Some(range)
-    }
-
-    fn word(&mut self) -> Option<(Range<usize>, u16)> {
-        let range = self.take(2)?;
-        Some((range.clone(), u16::from_be_bytes([self.body[range.start], self.body[range.start + 1]])))
-    }
-}
-
-fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place) -> Vec<NamedValue> {
-    let Some(address) = layout.address else { return Vec::new() };
-    let points = profile.decode_points(function, address, &layout.registers);
+fn name_values(profile: &Profile, layout: &Layout, function: u8, place: Place, known: &mut Known) -> Vec<NamedValue> {
+    let Some(address) = layout.words_from else { return Vec::new() };
+    // Function 17 reads and writes the registers that function 03 reads.
+    let function = if function == 0x17 { 0x03 } else { function };
+    let points = profile.decode_points(function, address, &layout.words, known);
     let named = points.into_iter().map(|found| {
         let registers = found.offset..found.offset + found.point.encoding.registers();
-        let bytes = layout.registers_at + 2 * registers.start..layout.registers_at + 2 * registers.end;
+        let bytes = layout.words_at + 2 * registers.start..layout.words_at + 2 * registers.end;
         NamedValue {
             point: found.point.id.clone(),
             register: found.point.register,
-            raw: layout.registers[registers].to_vec(),
+            raw: layout.words[registers].to_vec(),
             value: found.value,
+            scaled: found.scaled,
+            unit: found.unit.into(),
             range: place.of(bytes),
         }
     });

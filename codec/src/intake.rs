@@ -1,16 +1,57 @@
-//! Bytes from text that somebody pasted.
+//! Bytes from text that somebody pasted, with what the text says of direction, time and line.
+//!
+//! [`detect`] tells how a text is best read, a [`Reader`] reads it in pieces of any size, [`read`] does both at once. A fault
+//! never stops the reading: whatever can be decoded is, the place is reported, and reading goes on behind it. The reader keeps
+//! what has not been taken and at most one line of text; every line costs time in proportion to its length.
+//!
+//! ```
+//! use buslens_codec::{dissect::Direction, intake};
+//!
+//! let intake = intake::read("Tx:000012-01 03 00 31 00 01 D5 C5\nRx:000013-01 03 02 00 07 F9 86");
+//! assert_eq!(intake.bytes.len(), 15);
+//! assert_eq!(intake.segments[1].start, 8);
+//! assert_eq!(intake.segments[1].direction, Direction::Response);
+//! ```
 
+mod ascii;
+mod decimal;
+mod dump;
+mod form;
+mod hex;
+mod line;
+mod literal;
+mod log;
+mod output;
+
+use alloc::string::String;
 use alloc::vec::Vec;
+use core::mem;
 
-use crate::line::Mode;
+pub use form::{Detection, Form, detect};
+
+use crate::segment::Segment;
+use line::Line;
+use output::Output;
+
+/// Faults that are kept with their places; those after them are counted only.
+pub const MAX_FAULTS: usize = 1000;
 
 /// What a text holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Intake {
-    /// The bytes of the stream; in ASCII mode the characters.
+    /// The bytes of the stream; in ASCII mode the characters as on the wire, CR LF included.
     pub bytes: Vec<u8>,
-    /// How they are framed.
-    pub mode: Mode,
+    /// Where they come from: without gaps, in order; none where there are no bytes. A segment begins at each line that
+    /// carries bytes.
+    pub segments: Vec<Segment>,
+    /// The first [`MAX_FAULTS`] faults, in the order of the text.
+    pub faults: Vec<IntakeError>,
+    /// All of them.
+    pub fault_count: usize,
+    /// How the text was read.
+    pub form: Form,
+    /// Another sensible reading.
+    pub alternative: Option<Form>,
 }
 
 /// Where a text stops making sense.
@@ -28,149 +69,171 @@ pub struct IntakeError {
 /// What is wrong with a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IntakeFault {
-    /// A character that is neither a hexadecimal digit nor a separator.
+    /// A character that fits nothing there. Once for a word.
     #[error("unexpected {0:?}")]
     Unexpected(char),
-    /// A run of digits that does not make whole bytes.
+    /// A run of hexadecimal digits that does not make whole bytes; the pairs from its left are taken.
     #[error("an odd number of digits")]
     OddDigits,
+    /// A decimal number that no byte holds.
+    #[error("a number that fits no byte")]
+    TooLarge,
+    /// Control characters: these are raw bytes, not text that names bytes. Once for lines in a row.
+    #[error("this is not text")]
+    NotText,
+    /// A `*` of a hex dump that stands for more bytes than are taken in.
+    #[error("a repetition that is too long")]
+    RepeatTooLong,
+    /// Text, and no bytes anywhere in it.
+    #[error("no bytes in this text")]
+    NoBytes,
 }
 
-/// Reads hexadecimal bytes, with or without separators, `0x` and `\x`; or frames of ASCII mode, as text that begins with a
-/// colon or as the hexadecimal codes of its characters. Full-width characters count as their plain twins.
-pub fn parse(text: &str) -> Result<Intake, IntakeError> {
-    let characters = text.chars().map(plain);
-    if characters.clone().find(|c| !c.is_whitespace()) == Some(':') {
-        return parse_ascii(text);
-    }
-    let bytes = parse_hex(text)?;
-    let is_text = |byte: &u8| matches!(byte & 0x7F, b':' | b'0'..=b'9' | b'A'..=b'F' | b'a'..=b'f' | b'\r' | b'\n');
-    let mode = if bytes.first() == Some(&b':') && bytes.iter().all(is_text) { Mode::Ascii } else { Mode::Rtu };
-    Ok(Intake { bytes, mode })
+/// What a [`Reader`] has read since it was last asked.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Portion {
+    /// The next bytes of the stream.
+    pub bytes: Vec<u8>,
+    /// The segments that begin among them; their starts count from the beginning of the whole stream.
+    pub segments: Vec<Segment>,
+    /// Faults found, as long as there have been no more than [`MAX_FAULTS`].
+    pub faults: Vec<IntakeError>,
 }
 
-/// Each line that begins with a colon is a frame; its line end is made CR LF, as on the wire.
-fn parse_ascii(text: &str) -> Result<Intake, IntakeError> {
-    let mut bytes = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let indent = line.chars().take_while(|c| c.is_whitespace()).count();
-        let content = line.trim();
-        if content.is_empty() {
-            continue;
-        }
-        for (column, character) in content.chars().map(plain).enumerate() {
-            if character != ':' && !character.is_ascii_hexdigit() {
-                let fault = IntakeFault::Unexpected(character);
-                return Err(IntakeError { line: number + 1, column: indent + column + 1, fault });
-            }
-            bytes.extend(u8::try_from(character));
-        }
-        bytes.extend_from_slice(b"\r\n");
-    }
-    Ok(Intake { bytes, mode: Mode::Ascii })
+/// Reads a text of one form, in pieces of any size: their borders mean nothing.
+#[derive(Clone, Debug)]
+pub struct Reader {
+    form: Form,
+    /// The beginning of a line whose end has not come.
+    pending: String,
+    /// The last character was CR: an LF that follows ends the same line.
+    after_cr: bool,
+    lines: usize,
+    any_text: bool,
+    /// Room for the plain characters of a line.
+    codes: Vec<u8>,
+    hex: hex::State,
+    dump: dump::State,
+    log: log::State,
+    output: Output,
 }
 
-fn parse_hex(text: &str) -> Result<Vec<u8>, IntakeError> {
-    let mut bytes = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let characters: Vec<char> = line.chars().map(plain).collect();
-        let mut at = 0;
-        while at < characters.len() {
-            let rest = &characters[at..];
-            if is_separator(rest[0]) {
-                at += 1;
-                continue;
-            }
-            if matches!(rest, ['0' | '\\', 'x' | 'X', ..]) {
-                at += 2;
-            }
-            let digits = characters[at..].iter().take_while(|c| c.is_ascii_hexdigit()).count();
-            let error = |at: usize, fault| Err(IntakeError { line: number + 1, column: at + 1, fault });
-            if digits == 0 {
-                let found = characters.get(at).or(rest.first()).copied().unwrap_or(' ');
-                return error(at.min(characters.len() - 1), IntakeFault::Unexpected(found));
-            }
-            let run = &characters[at..at + digits];
-            // A lone digit is a byte written short; a longer odd run has lost one, and nobody knows where.
-            if digits > 1 && digits % 2 != 0 {
-                return error(at, IntakeFault::OddDigits);
-            }
-            let values = run.iter().filter_map(|c| c.to_digit(16)).filter_map(|value| u8::try_from(value).ok());
-            let values: Vec<u8> = values.collect();
-            bytes.extend(values.chunks(2).map(|pair| pair.iter().fold(0, |byte, digit| byte << 4 | digit)));
-            at += digits;
+impl Reader {
+    /// A reader at the start of a text.
+    pub fn new(form: Form) -> Self {
+        Self {
+            form,
+            pending: String::new(),
+            after_cr: false,
+            lines: 0,
+            any_text: false,
+            codes: Vec::new(),
+            hex: hex::State::default(),
+            dump: dump::State::default(),
+            log: log::State::default(),
+            output: Output::default(),
         }
     }
-    Ok(bytes)
-}
 
-fn is_separator(character: char) -> bool {
-    character.is_whitespace() || matches!(character, ',' | ';' | '-' | '[' | ']' | '{' | '}' | '(' | ')' | '<' | '>')
-}
-
-/// The plain twin of a full-width character, as Chinese input methods and documents have them.
-fn plain(character: char) -> char {
-    match character {
-        '\u{3000}' => ' ',
-        '、' => ',',
-        '\u{FF01}'..='\u{FF5E}' => char::from_u32(u32::from(character) - 0xFEE0).unwrap_or(character),
-        other => other,
+    /// How it reads.
+    pub fn form(&self) -> Form {
+        self.form
     }
+
+    /// Faults found so far, kept or not.
+    pub fn fault_count(&self) -> usize {
+        self.output.fault_count
+    }
+
+    /// Takes the next piece of the text in.
+    pub fn push(&mut self, text: &str) {
+        let mut rest = text;
+        if self.after_cr && !rest.is_empty() {
+            self.after_cr = false;
+            rest = rest.strip_prefix('\n').unwrap_or(rest);
+        }
+        while let Some(at) = rest.bytes().position(|byte| matches!(byte, b'\n' | b'\r')) {
+            let (line, after) = rest.split_at(at);
+            if self.pending.is_empty() {
+                self.line(line);
+            } else {
+                self.pending.push_str(line);
+                self.pending_line();
+            }
+            rest = match after.strip_prefix("\r\n") {
+                Some(after) => after,
+                None => {
+                    self.after_cr = after == "\r";
+                    after.get(1..).unwrap_or_default()
+                }
+            };
+        }
+        self.pending.push_str(rest);
+    }
+
+    /// No more text comes: the last line counts as whole.
+    pub fn finish(&mut self) {
+        if !self.pending.is_empty() {
+            self.pending_line();
+        }
+        self.dump.finish(&mut self.output);
+        if self.any_text && self.output.is_empty() && self.output.fault_count == 0 {
+            self.output.place(1, 1, IntakeFault::NoBytes);
+        }
+    }
+
+    /// What has been read since it was last taken. Before [`finish`](Self::finish) the line that is still open is not in it.
+    pub fn take(&mut self) -> Portion {
+        self.output.take()
+    }
+
+    fn pending_line(&mut self) {
+        let mut pending = mem::take(&mut self.pending);
+        self.line(&pending);
+        pending.clear();
+        self.pending = pending;
+    }
+
+    fn line(&mut self, text: &str) {
+        self.lines += 1;
+        let line = Line::new(text, self.lines, &mut self.codes);
+        if line.is_blank() {
+            return;
+        }
+        self.any_text = true;
+        if let Some(column) = line.raw {
+            self.output.not_text(&line, column);
+            if line.is_raw() {
+                return;
+            }
+        } else {
+            self.output.text();
+        }
+        match self.form {
+            Form::Hex => hex::line(&line, &mut self.hex, &mut self.output),
+            Form::Decimal => decimal::line(&line, &mut self.hex, &mut self.output),
+            Form::AsciiFrames => ascii::line(&line, &mut self.hex, &mut self.output),
+            Form::HexDump => dump::line(&line, dump::Unit::Bytes, &mut self.dump, &mut self.output),
+            Form::WordDump => dump::line(&line, dump::Unit::Words, &mut self.dump, &mut self.output),
+            Form::Log => self.log.line(&line, &mut self.output),
+        }
+    }
+}
+
+/// Reads a whole text as what it looks like.
+pub fn read(text: &str) -> Intake {
+    let Detection { form, alternative } = detect(text);
+    Intake { alternative, ..read_as(text, form) }
+}
+
+/// Reads a whole text in a given form; no alternative is looked for.
+pub fn read_as(text: &str, form: Form) -> Intake {
+    let mut reader = Reader::new(form);
+    reader.push(text);
+    reader.finish();
+    let Portion { bytes, segments, faults } = reader.take();
+    Intake { bytes, segments, faults, fault_count: reader.fault_count(), form, alternative: None }
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    const FRAME: [u8; 8] = [0x01, 0x03, 0x00, 0x31, 0x00, 0x01, 0xD5, 0xC5];
-
-    #[test]
-    fn the_same_frame_in_many_spellings() {
-        for text in [
-            "01 03 00 31 00 01 D5 C5",
-            "0103003100 01d5c5",
-            "01,03,00,31,00,01,D5,C5",
-            "0x01, 0x03, 0x00, 0x31, 0x00, 0x01, 0xD5, 0xC5",
-            "\\x01\\x03\\x00\\x31\\x00\\x01\\xD5\\xC5",
-            "01-03-00-31-00-01-D5-C5",
-            "[01][03][00][31][00][01][D5][C5]",
-            "1 3 0 31 0 1 D5 C5",
-            "01 03 00 31\n00 01 D5 C5\r\n",
-            "０１　０３　００　３１　００　０１　Ｄ５　Ｃ５",
-        ] {
-            assert_eq!(parse(text), Ok(Intake { bytes: FRAME.to_vec(), mode: Mode::Rtu }), "{text}");
-        }
-    }
-
-    #[test]
-    fn ascii_frames_as_text_and_as_codes() {
-        let expected = Ok(Intake { bytes: b":010300310001CA\r\n".to_vec(), mode: Mode::Ascii });
-        assert_eq!(parse(":010300310001CA"), expected);
-        assert_eq!(parse("  ：010300310001CA\r\n"), expected);
-        assert_eq!(parse("3A 30 31 30 33 30 30 33 31 30 30 30 31 43 41 0D 0A"), expected);
-    }
-
-    #[test]
-    fn faults_are_placed() {
-        let cases = [
-            ("01 03\n00 3", None),
-            ("01 03\n00 312", Some((2, 4, IntakeFault::OddDigits))),
-            ("01 03 zz", Some((1, 7, IntakeFault::Unexpected('z')))),
-            ("0x", Some((1, 2, IntakeFault::Unexpected('0')))),
-            (":01 03", Some((1, 4, IntakeFault::Unexpected(' ')))),
-        ];
-        for (text, expected) in cases {
-            let found = parse(text).err().map(|error| (error.line, error.column, error.fault));
-            assert_eq!(found, expected, "{text}");
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn any_text_is_taken_or_refused(text in ".*") {
-            let _ = parse(&text);
-        }
-    }
-}
+mod tests;

@@ -1,20 +1,32 @@
 //! Device profiles: everything that is particular to a device, as data. The built-in ones are read by the same loader as a
 //! user's own file.
 //!
-//! A profile is a JSON file; `CONTRIBUTING.md` of the project tells its keys. [`Profile::from_json`] checks what can be
+//! A profile is a JSON file; `docs/profiles.md` of the project tells its keys. [`Profile::from_json`] checks what can be
 //! checked without the device, down to the worked examples.
 
+mod known;
 mod load;
+mod parts;
+mod point;
+mod score;
 
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::line::{LineSettings, Mode};
-use crate::pdu::{MAX_READ_QUANTITY, Request};
-use crate::value::{Encoding, Value, ValueError};
+use crate::unit::UnitId;
+
+pub use known::{Known, PointValue};
+pub use parts::{Choices, Erratum, Example, Group, Interface, Range, Texts, Timing, Wire};
+pub use point::{Code, Danger, Effect, Limits, Point, Reply, Role};
+pub use score::{Outline, most_explaining};
 
 /// The files of the built-in profiles.
-pub const BUILT_IN: &[&str] = &[include_str!("../profiles/lvdt.json")];
+pub const BUILT_IN: &[&str] = &[
+    include_str!("../profiles/lvdt.json"),
+    include_str!("../profiles/gauge-cable.json"),
+    include_str!("../profiles/level.json"),
+];
 
 /// The version of the format that this loader reads.
 pub const FORMAT: u32 = 1;
@@ -24,16 +36,22 @@ pub const FORMAT: u32 = 1;
 pub struct Profile {
     /// [`FORMAT`].
     pub format: u32,
-    /// Name for programs: lower-case letters, digits, `-`.
+    /// Name for programs: lower-case letters, digits, `-`, `_`.
     pub id: String,
     /// Name for people.
     pub name: Texts,
     /// Where the facts come from.
     pub source: String,
+    /// What users must know of the device as a whole.
+    pub notes: Vec<Texts>,
+    /// Electrical levels.
+    pub interface: Interface,
     /// Factory settings of the line.
     pub line: LineSettings,
     /// Factory mode.
     pub mode: Mode,
+    /// What the line can be set to.
+    pub choices: Choices,
     /// Factory unit id, or a usual one where each device has its own.
     pub unit: u8,
     /// Unit ids that the device takes.
@@ -46,194 +64,28 @@ pub struct Profile {
     pub wiring: Vec<Wire>,
     /// Everything that can be read or written, in the order of its registers.
     pub points: Vec<Point>,
-    /// Registers that the device lets be read together.
+    /// Registers that can be read together.
     pub groups: Vec<Group>,
-    /// Reads at the broadcast address that bring the unit id, best first.
+    /// Reads at the broadcast address that bring the unit id in their first register, best first. Empty for a device that
+    /// does not answer there. Only one device may be connected then.
     pub discovery: Vec<Group>,
+    /// Reads by which the device is told from others: a plausible answer ([`Profile::score`]) speaks for it. Best first.
+    pub fingerprint: Vec<Group>,
     /// Worked examples: loading fails if one of them does not come out.
     pub examples: Vec<Example>,
+    /// Where the manual is wrong.
+    pub errata: Vec<Erratum>,
 }
 
-/// A text in both languages.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Texts {
-    /// English.
-    pub en: String,
-    /// Simplified Chinese.
-    pub zh: String,
-}
-
-/// First and last of something, both included.
+/// What a device and the standard say to a unit id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Range {
-    /// The smallest.
-    pub first: u16,
-    /// The largest.
-    pub last: u16,
-}
-
-impl Range {
-    /// Whether `value` lies in it.
-    pub const fn contains(self, value: u16) -> bool {
-        self.first <= value && value <= self.last
-    }
-}
-
-/// Times and endurance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Timing {
-    /// Deaf after power-on.
-    pub startup_silence_ms: u32,
-    /// How long it may think before it answers.
-    pub response_timeout_ms: u32,
-    /// Pause before another device is addressed.
-    pub inter_device_pause_ms: u32,
-    /// Usual time between two readings.
-    pub poll_period_ms: u32,
-    /// Shortest useful time between two readings.
-    pub min_poll_period_ms: u32,
-    /// Shortest time between two writes.
-    pub min_write_period_ms: u32,
-    /// How many writes its memory endures, 0 if unknown.
-    pub flash_writes: u32,
-}
-
-/// One wire of its cable.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wire {
-    /// Colour as a CSS colour name.
-    pub color: String,
-    /// Colour in words.
-    pub name: Texts,
-    /// Its terminal: `V+`, `A`.
-    pub signal: String,
-    /// What it is for.
-    pub purpose: Texts,
-}
-
-/// Where registers live.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
-    /// Input registers: read by function 04.
-    Input,
-    /// Holding registers: read by function 03, written by 10.
-    Holding,
-    /// Coils: written by function 05.
-    Coil,
-}
-
-/// What may be done with a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    /// Read only.
-    Read,
-    /// Write only.
-    Write,
-    /// Both.
-    ReadWrite,
-}
-
-/// What a point is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// What the device is for.
-    Measurement,
-    /// A setting.
-    Parameter,
-    /// Something it does when written.
-    Command,
-}
-
-/// What a write does to the link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
-    /// The unit id changes.
-    Unit,
-    /// The baud rate changes.
-    Baud,
-    /// The parity changes.
-    Parity,
-    /// RTU or ASCII changes.
-    Mode,
-    /// The device restarts and is deaf for [`Timing::startup_silence_ms`].
-    Restart,
-}
-
-/// One datum or command of a device.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Point {
-    /// Name for programs.
-    pub id: String,
-    /// Name for people.
-    pub name: Texts,
-    /// Where it lives.
-    pub table: Table,
-    /// Its first register or its coil.
-    pub register: u16,
-    /// How the registers hold it.
-    pub encoding: Encoding,
-    /// Its unit, empty for none.
-    pub unit: String,
-    /// What may be done with it.
-    pub access: Access,
-    /// What it is for.
-    pub role: Role,
-    /// The one value that matters most.
-    pub primary: bool,
-    /// Values that may be written.
-    pub range: Option<Range>,
-    /// Meanings of its codes.
-    pub codes: Vec<Code>,
-    /// Value that it leaves the factory with.
-    pub factory: Option<u16>,
-    /// A write can lose the device or its calibration.
-    pub danger: bool,
-    /// What a write does to the link.
-    pub effect: Option<Effect>,
-}
-
-/// A code with its meaning: a number, a name, or both.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Code {
-    /// As in the register.
-    pub code: u16,
-    /// The number that it stands for.
-    pub number: Option<u32>,
-    /// What it means.
-    pub name: Option<Texts>,
-}
-
-/// Registers that are read together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Group {
-    /// Where they live.
-    pub table: Table,
-    /// The first.
-    pub address: u16,
-    /// How many.
-    pub quantity: u16,
-}
-
-/// Registers and the value that they hold.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Example {
-    /// The point's id.
-    pub point: String,
-    /// As read.
-    pub registers: Vec<u16>,
-    /// The value as [`Point::text`] writes it.
-    pub text: String,
-}
-
-/// A point found in registers that were read or written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointValue<'a> {
-    /// The point.
-    pub point: &'a Point,
-    /// Its place among the registers.
-    pub offset: usize,
-    /// Its value, or why there is none.
-    pub value: Result<Value, ValueError>,
+pub enum UnitFit {
+    /// Both take it.
+    Usual,
+    /// The device takes it, the standard reserves it (248 to 255, serial line guide V1.02, clause 2.2): warn.
+    Reserved,
+    /// The device does not take it.
+    Refused,
 }
 
 /// Why a text is no profile, and where.
@@ -265,107 +117,112 @@ impl Profile {
         measurements().filter(|point| point.primary).chain(measurements().filter(|point| !point.primary)).collect()
     }
 
-    /// The groups that bring the measurements.
+    /// The reads that bring the measurements, and before them what those are scaled by and where their units stand. Of
+    /// [`Profile::groups`] only those that the manual allows.
     pub fn live_groups(&self) -> Vec<Group> {
-        let measured = |group: &Group| {
-            self.points.iter().any(|point| point.role == Role::Measurement && group.offset_of(point).is_some())
-        };
-        self.groups.iter().copied().filter(measured).collect()
+        let measured = || self.points.iter().filter(|point| point.role == Role::Measurement);
+        let referred = measured().flat_map(Point::refers_to).filter_map(|id| self.point(id));
+        self.groups_of(referred.chain(measured()))
     }
 
-    /// The points in registers that a function read or wrote from `address` on.
-    pub fn decode_points<'a>(&'a self, function: u8, address: u16, registers: &[u16]) -> Vec<PointValue<'a>> {
-        let table = match function {
-            0x04 => Table::Input,
-            0x03 | 0x06 | 0x10 => Table::Holding,
-            0x05 => Table::Coil,
-            _ => return Vec::new(),
-        };
-        let quantity = u16::try_from(registers.len()).unwrap_or(u16::MAX);
-        let group = Group { table, address, quantity };
-        let found = self.points.iter().filter_map(|point| {
-            let offset = group.offset_of(point)?;
-            let value = point.encoding.decode(&registers[offset..offset + point.encoding.registers()]);
-            Some(PointValue { point, offset, value })
-        });
-        found.collect()
+    /// The reads that bring these points, in their order, each once; points that cannot be read are left out.
+    pub fn groups_of<'a>(&self, points: impl IntoIterator<Item = &'a Point>) -> Vec<Group> {
+        let mut reads: Vec<Group> = Vec::new();
+        for point in points {
+            let known = self.groups.iter().find(|group| !group.tentative && group.offset_of(point).is_some());
+            let Some(read) = known.copied().or_else(|| point.read_group()) else { continue };
+            if !reads.contains(&read) {
+                reads.push(read);
+            }
+        }
+        reads
+    }
+
+    /// Every combination of settings that the line of this device can have, the factory's first, then those that differ
+    /// least from it. Data bits stay as they leave the factory.
+    pub fn line_candidates(&self) -> Vec<(LineSettings, Mode)> {
+        let mut all = Vec::new();
+        for mode in with_first(self.mode, &self.choices.modes) {
+            for parity in with_first(self.line.parity, &self.choices.parities) {
+                for stop_bits in with_first(self.line.stop_bits, &self.choices.stop_bits) {
+                    for baud in with_first(self.line.baud, &self.choices.bauds) {
+                        all.push((LineSettings { baud, parity, stop_bits, ..self.line }, mode));
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// What the device and the standard say to a unit id.
+    pub const fn unit_fit(&self, unit: UnitId) -> UnitFit {
+        if !self.units.contains(unit.0 as u16) {
+            UnitFit::Refused
+        } else if unit.0 > 247 {
+            UnitFit::Reserved
+        } else {
+            UnitFit::Usual
+        }
     }
 }
 
-impl Group {
-    /// The request that reads it; `None` for coils and for quantities beyond the standard.
-    pub fn request(&self) -> Option<Request> {
-        let Self { table, address, quantity } = *self;
-        if !(1..=MAX_READ_QUANTITY).contains(&quantity) || usize::from(address) + usize::from(quantity) > 0x1_0000 {
-            return None;
-        }
-        match table {
-            Table::Input => Some(Request::ReadInputRegisters { address, quantity }),
-            Table::Holding => Some(Request::ReadHoldingRegisters { address, quantity }),
-            Table::Coil => None,
-        }
-    }
-
-    /// Where in this group a point lies, if all of it does.
-    pub fn offset_of(&self, point: &Point) -> Option<usize> {
-        let offset = usize::from(point.register.checked_sub(self.address)?);
-        let fits = offset + point.encoding.registers() <= usize::from(self.quantity);
-        (point.table == self.table && fits).then_some(offset)
-    }
-}
-
-impl Point {
-    /// The value as text, without unit: a number, the number or name of a code, or the code itself if it is unknown.
-    pub fn text<'a>(&'a self, value: Value, language: impl Fn(&'a Texts) -> &'a String) -> String {
-        let Value::Code(code) = value else { return value.to_string() };
-        match self.codes.iter().find(|known| known.code == code) {
-            Some(Code { number: Some(number), .. }) => number.to_string(),
-            Some(Code { name: Some(name), .. }) => language(name).clone(),
-            _ => code.to_string(),
-        }
-    }
-
-    /// Whether the table of codes or the range knows `raw`.
-    pub fn allows(&self, raw: u16) -> bool {
-        let known = self.codes.is_empty() || self.codes.iter().any(|code| code.code == raw);
-        known && self.range.is_none_or(|range| range.contains(raw))
-    }
+/// `first` and whatever else there is.
+fn with_first<T: Copy + PartialEq>(first: T, all: &[T]) -> impl Iterator<Item = T> {
+    core::iter::once(first).chain(all.iter().copied().filter(move |other| *other != first))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use alloc::vec;
 
-    fn lvdt() -> Profile {
-        Profile::from_json(BUILT_IN[0]).unwrap()
+    use super::*;
+    use crate::line::Parity;
+
+    pub(super) fn built_in(id: &str) -> Profile {
+        let all = BUILT_IN.iter().map(|text| Profile::from_json(text).unwrap());
+        all.into_iter().find(|profile| profile.id == id).unwrap()
     }
 
     #[test]
     fn every_built_in_profile_loads_and_its_examples_come_out() {
         for text in BUILT_IN {
-            let profile = Profile::from_json(text).unwrap();
+            let profile = Profile::from_json(text).unwrap_or_else(|error| panic!("{error}\n{}", &text[..60]));
             assert!(!profile.live_groups().is_empty(), "{}", profile.id);
+            assert!(profile.live_groups().iter().all(|group| group.request().is_some()), "{}", profile.id);
             assert!(!profile.examples.is_empty(), "{}", profile.id);
+            assert!(profile.line_candidates().starts_with(&[(profile.line, profile.mode)]), "{}", profile.id);
+            assert_eq!(profile.measurements().iter().filter(|point| point.primary).count(), 1, "{}", profile.id);
+            let registers: Vec<u16> = profile.points.iter().map(|point| point.register).collect();
+            assert!(registers.is_sorted(), "{}", profile.id);
         }
     }
 
     #[test]
-    fn one_group_brings_both_measurements() {
-        let profile = lvdt();
-        let groups = profile.live_groups();
-        assert_eq!(groups.len(), 1);
-        let points = profile.decode_points(4, groups[0].address, &[0, 285, 0x8000, 0x0148]);
-        let texts: Vec<_> = points.iter().map(|p| (p.point.id.as_str(), p.value.unwrap().to_string())).collect();
-        assert_eq!(texts, [("temperature", "28.5".to_string()), ("displacement", "-0.328".to_string())]);
-        assert_eq!(profile.measurements()[0].id, "displacement");
+    fn a_scaled_measurement_is_read_after_what_scales_it() {
+        let reads: Vec<_> =
+            built_in("level").live_groups().iter().map(|group| (group.address, group.quantity)).collect();
+        assert_eq!(reads, [(3, 1), (2, 1), (4, 1)]);
+        let reads: Vec<_> =
+            built_in("lvdt").live_groups().iter().map(|group| (group.address, group.quantity)).collect();
+        assert_eq!(reads, [(2, 4)]);
+        assert_eq!(built_in("gauge-cable").live_groups().len(), 4);
     }
 
     #[test]
-    fn unknown_codes_stay_what_they_are() {
-        let profile = lvdt();
-        let baud = profile.point("baud").unwrap();
-        assert_eq!(baud.text(Value::Code(9), |name| &name.en), "9");
-        assert!(!baud.allows(9) && baud.allows(7));
-        assert!(!profile.point("address").unwrap().allows(248));
+    fn forty_two_combinations_of_settings_are_tried_factory_first() {
+        let candidates = built_in("lvdt").line_candidates();
+        assert_eq!(candidates.len(), 42);
+        assert_eq!(candidates[0], (LineSettings::new(9600, Parity::Even), Mode::Rtu));
+        assert_eq!(built_in("level").line_candidates().len(), 8);
+        let bauds: Vec<u32> = built_in("gauge-cable").line_candidates().iter().map(|(line, _)| line.baud).collect();
+        assert_eq!(bauds, vec![38_400, 9600, 19_200]);
+    }
+
+    #[test]
+    fn unit_ids_beyond_the_standard_are_told() {
+        let level = built_in("level");
+        let fits = [0, 1, 247, 248, 255].map(|unit| level.unit_fit(UnitId(unit)));
+        assert_eq!(fits, [UnitFit::Refused, UnitFit::Usual, UnitFit::Usual, UnitFit::Reserved, UnitFit::Reserved]);
+        assert_eq!(built_in("lvdt").unit_fit(UnitId(248)), UnitFit::Refused);
     }
 }

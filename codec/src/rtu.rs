@@ -1,6 +1,7 @@
 //! RTU mode: unit id, PDU, CRC-16 low byte first (serial line guide, clause 2.5.1).
 //!
-//! A frame that [`encode`] made always [`decode`]s to the same unit and PDU. [`decode`] takes any bytes and never panics.
+//! A frame that [`encode`] made always [`decode`]s to the same unit and PDU, and [`encode`] cannot fail for a PDU of 1 to 253
+//! bytes. [`decode`] takes any bytes and never panics.
 
 use alloc::vec::Vec;
 
@@ -44,7 +45,7 @@ pub struct Adu<'a> {
 
 /// Puts a PDU of 1 to 253 bytes into a frame.
 pub fn encode(unit: UnitId, pdu: &[u8]) -> Result<Vec<u8>, AduError> {
-    let len = pdu.len() + 3;
+    let len = pdu.len().saturating_add(3);
     if len < MIN_ADU_LEN {
         return Err(AduError::TooShort(len));
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Counters, Exchange, Failure};
 use buslens_codec::pdu::Response;
-use buslens_codec::profile::Profile;
+use buslens_codec::profile::{Known, Profile};
 use buslens_codec::value::Value;
 
 use crate::message::{Frames, Health, Link, Reading, Sample, Status, Trouble};
@@ -18,6 +18,7 @@ const RATE_WINDOW: Duration = Duration::from_secs(3);
 
 pub(super) struct Progress {
     profile: Profile,
+    known: Known,
     period: Duration,
     status: Status,
     changed: bool,
@@ -31,6 +32,7 @@ impl Progress {
     pub(super) fn new(profile: Profile, period: Duration) -> Self {
         Self {
             profile,
+            known: Known::default(),
             period,
             status: Status::default(),
             changed: true,
@@ -83,13 +85,17 @@ impl Progress {
             return;
         };
         let Some(group) = self.profile.live_groups().into_iter().nth(index) else { return };
-        let points = self.profile.decode_points(response.function(), group.address, values);
+        let points = self.profile.decode_points(response.function(), group.address, values, &mut self.known);
         if points.iter().any(|point| point.value.is_err()) {
             self.status.health = Health::Failing(Trouble::BadValue);
             return;
         }
-        let values: Vec<(String, Value)> =
-            points.into_iter().filter_map(|point| Some((point.point.id.clone(), point.value.ok()?))).collect();
+        // A number without its scale is no reading.
+        let values: Vec<(String, Value)> = points
+            .into_iter()
+            .filter(|point| point.scaled)
+            .filter_map(|point| Some((point.point.id.clone(), point.value.ok()?)))
+            .collect();
         for (point, value) in values {
             self.read(at, &point, value);
         }
@@ -178,6 +184,20 @@ mod tests {
         let displacement = status.samples.iter().find(|sample| sample.point == "displacement").unwrap();
         assert!((displacement.value + 0.328).abs() < 1e-9);
         assert!(progress.status(Instant::from_micros(200_000), Counters::default()).samples.is_empty());
+    }
+
+    #[test]
+    fn a_value_is_read_once_its_scale_is() {
+        const LEVEL: &str = include_str!("../../codec/profiles/level.json");
+        let mut progress = Progress::new(Profile::from_json(LEVEL).unwrap(), Duration::from_millis(500));
+        let reply = |value| Ok(Answer::Reply(Response::ReadHoldingRegisters { values: vec![value] }));
+        // Decimals, unit and value are three reads in this order.
+        progress.polled(2, &exchange(100, reply(6000)));
+        assert!(progress.status.readings.is_empty());
+        progress.polled(0, &exchange(200, reply(3)));
+        progress.polled(2, &exchange(300, reply(6000)));
+        let value = progress.status.readings.iter().find(|reading| reading.point == "value").unwrap();
+        assert_eq!(value.value.to_string(), "6.000");
     }
 
     #[test]

@@ -1,46 +1,29 @@
 //! Reading a profile's file. Every fault is placed by line and column, also one of meaning: a value that contradicts
 //! another, a worked example that does not come out.
 
-use alloc::borrow::Cow;
+mod json;
+mod point;
+
 use alloc::format;
-use alloc::string::String;
+use alloc::vec;
 use alloc::vec::Vec;
 
-use nojson::{JsonParseError, RawJson, RawJsonValue};
+use nojson::RawJson;
 
+use self::json::{
+    Fault, Found, Node, Object, boolean, choice, fault, hex, id, integer, list, optional, small, syntax_fault, text,
+    word,
+};
 use super::{
-    Access, Code, Effect, Example, FORMAT, Group, Point, Profile, ProfileError, Range, Role, Table, Texts, Timing, Wire,
+    Choices, Erratum, Example, FORMAT, Group, Interface, Known, Point, Profile, ProfileError, Range, Texts, Timing,
+    Wire,
 };
 use crate::line::{DataBits, LineSettings, Mode, Parity, StopBits};
-use crate::value::{Encoding, WordOrder};
+use crate::value::{Decimal, Value};
 
 pub(super) fn load(text: &str) -> Result<Profile, ProfileError> {
     let json = RawJson::parse(text).map_err(|error| place(text, syntax_fault(&error)))?;
     profile(json.value()).map_err(|fault| place(text, fault))
-}
-
-type Node<'a> = RawJsonValue<'a, 'a>;
-
-/// Something wrong at a byte of the text.
-struct Fault {
-    position: usize,
-    reason: String,
-}
-
-type Found<T> = Result<T, Fault>;
-
-fn fault<T>(node: Node<'_>, reason: impl Into<String>) -> Found<T> {
-    Err(Fault { position: node.position(), reason: reason.into() })
-}
-
-fn syntax_fault(error: &JsonParseError) -> Fault {
-    let reason = match error {
-        JsonParseError::UnexpectedEos { .. } => "the text ends too early",
-        JsonParseError::UnexpectedTrailingChar { .. } => "something follows the end of the profile",
-        JsonParseError::UnexpectedValueChar { .. } => "not JSON: unexpected character",
-        JsonParseError::InvalidValue { .. } => "not JSON: invalid value",
-    };
-    Fault { position: error.position(), reason: reason.into() }
 }
 
 fn place(text: &str, fault: Fault) -> ProfileError {
@@ -58,8 +41,11 @@ fn profile(node: Node<'_>) -> Found<Profile> {
             "id",
             "name",
             "source",
+            "notes",
+            "interface",
             "line",
             "mode",
+            "choices",
             "unit",
             "units",
             "timing",
@@ -68,62 +54,87 @@ fn profile(node: Node<'_>) -> Found<Profile> {
             "points",
             "groups",
             "discovery",
+            "fingerprint",
             "examples",
+            "errata",
         ],
     )?;
     let format_node = object.need("format")?;
     if integer(format_node, u32::MAX)? != FORMAT {
         return fault(format_node, format!("this program reads format {FORMAT}"));
     }
-    let groups = list(object.find("groups"), group)?;
-    let points_node = object.need("points")?;
-    let mut points: Vec<Point> = Vec::new();
-    for node in items(points_node)? {
-        let point = point(node)?;
-        if points.iter().any(|earlier| earlier.id == point.id) {
-            return fault(node, format!("another point has the id {}", point.id));
-        }
-        if point.role == Role::Measurement && !groups.iter().any(|group: &Group| group.offset_of(&point).is_some()) {
-            return fault(node, "no group reads this measurement");
-        }
-        points.push(point);
+    let points = point::points(object.need("points")?)?;
+    let units = range(object.need("units")?, 255)?;
+    let unit_node = object.need("unit")?;
+    let unit = small(unit_node, u8::MAX)?;
+    if !units.contains(unit.into()) {
+        return fault(unit_node, "is none of the units");
     }
-    let units_node = object.need("units")?;
-    let units = range(units_node, 255)?;
-    Ok(Profile {
+    let profile = Profile {
         format: FORMAT,
         id: id(object.need("id")?)?,
         name: texts(object.need("name")?)?,
         source: optional(object.find("source"), text)?,
+        notes: list(object.find("notes"), texts)?,
+        interface: optional(object.find("interface"), |node| {
+            choice(node, &["rs485", "rs232"], &[Interface::Rs485, Interface::Rs232])
+        })?,
         line: line(object.need("line")?)?,
-        mode: [Mode::Rtu, Mode::Ascii][one_of(object.need("mode")?, &["rtu", "ascii"])?],
-        unit: small(object.need("unit")?)?,
+        mode: mode(object.need("mode")?)?,
+        choices: optional(object.find("choices"), choices)?,
+        unit,
         units,
         timing: timing(object.need("timing")?)?,
         supply: optional(object.find("supply"), text)?,
         wiring: list(object.find("wiring"), wire)?,
-        examples: list(object.find("examples"), |node| example(node, &points))?,
+        groups: list(object.find("groups"), |node| group_of_points(node, &points))?,
+        fingerprint: list(object.find("fingerprint"), |node| group_of_points(node, &points))?,
         points,
-        groups,
         discovery: list(object.find("discovery"), group)?,
-    })
+        examples: Vec::new(),
+        errata: list(object.find("errata"), erratum)?,
+    };
+    let examples = list(object.find("examples"), |node| example(node, &profile))?;
+    Ok(Profile { examples, ..profile })
 }
 
 fn line(node: Node<'_>) -> Found<LineSettings> {
     let object = Object::of(node, &["baud", "parity", "data_bits", "stop_bits"])?;
-    let baud_node = object.need("baud")?;
-    let baud = integer(baud_node, 100_000_000)?;
-    if baud == 0 {
-        return fault(baud_node, "must not be 0");
-    }
-    let parity = one_of(object.need("parity")?, &["none", "odd", "even"])?;
-    let seven = optional(object.find("data_bits"), |node| Ok(one_of(node, &["eight", "seven"])? == 1))?;
-    let two = optional(object.find("stop_bits"), |node| Ok(one_of(node, &["one", "two"])? == 1))?;
+    let data_bits = |node| choice(node, &["eight", "seven"], &[DataBits::Eight, DataBits::Seven]);
     Ok(LineSettings {
-        baud,
-        data_bits: if seven { DataBits::Seven } else { DataBits::Eight },
-        parity: [Parity::None, Parity::Odd, Parity::Even][parity],
-        stop_bits: if two { StopBits::Two } else { StopBits::One },
+        baud: baud(object.need("baud")?)?,
+        data_bits: object.find("data_bits").map_or(Ok(DataBits::Eight), data_bits)?,
+        parity: parity(object.need("parity")?)?,
+        stop_bits: object.find("stop_bits").map_or(Ok(StopBits::One), stop_bits)?,
+    })
+}
+
+fn baud(node: Node<'_>) -> Found<u32> {
+    match integer(node, 100_000_000)? {
+        0 => fault(node, "must not be 0"),
+        baud => Ok(baud),
+    }
+}
+
+fn parity(node: Node<'_>) -> Found<Parity> {
+    choice(node, &["none", "odd", "even"], &[Parity::None, Parity::Odd, Parity::Even])
+}
+
+fn stop_bits(node: Node<'_>) -> Found<StopBits> {
+    choice(node, &["one", "two"], &[StopBits::One, StopBits::Two])
+}
+
+fn mode(node: Node<'_>) -> Found<Mode> {
+    choice(node, &["rtu", "ascii"], &[Mode::Rtu, Mode::Ascii])
+}
+
+fn choices(node: Node<'_>) -> Found<Choices> {
+    let object = Object::of(node, &["bauds", "parities", "stop_bits", "modes"])?;
+    Ok(Choices {
+        bauds: list(object.find("bauds"), baud)?,
+        parities: list(object.find("parities"), parity)?,
+        stop_bits: list(object.find("stop_bits"), stop_bits)?,
+        modes: list(object.find("modes"), mode)?,
     })
 }
 
@@ -154,138 +165,97 @@ fn timing(node: Node<'_>) -> Found<Timing> {
         poll_period_ms,
         min_poll_period_ms: optional_number("min_poll_period_ms")?,
         min_write_period_ms: optional_number("min_write_period_ms")?,
-        flash_writes: optional_number("flash_writes")?,
+        flash_writes: optional(object.find("flash_writes"), |node| integer(node, u32::MAX))?,
     })
 }
 
 fn wire(node: Node<'_>) -> Found<Wire> {
-    let object = Object::of(node, &["color", "name", "signal", "use"])?;
+    let object = Object::of(node, &["color", "name", "signal", "pin", "use"])?;
     Ok(Wire {
         color: text(object.need("color")?)?,
         name: texts(object.need("name")?)?,
         signal: text(object.need("signal")?)?,
+        pin: object.find("pin").map(|node| small(node, u8::MAX)).transpose()?,
         purpose: texts(object.need("use")?)?,
     })
 }
 
-fn point(node: Node<'_>) -> Found<Point> {
-    let object = Object::of(
-        node,
-        &[
-            "id", "name", "table", "register", "encoding", "unit", "access", "role", "primary", "range", "codes",
-            "factory", "danger", "effect",
-        ],
-    )?;
-    let encoding = encoding(object.need("encoding")?)?;
-    let register_node = object.need("register")?;
-    let register = word(register_node)?;
-    if usize::from(register) + encoding.registers() > 0x1_0000 {
-        return fault(register_node, "runs over the last register");
-    }
-    let access = one_of(object.need("access")?, &["read", "write", "read_write"])?;
-    let role = one_of(object.need("role")?, &["measurement", "parameter", "command"])?;
-    let effects = ["unit", "baud", "parity", "mode", "restart"];
-    let effect = object.find("effect").map(|node| one_of(node, &effects)).transpose()?;
-    let mut codes: Vec<Code> = Vec::new();
-    for node in object.find("codes").map(items).transpose()?.into_iter().flatten() {
-        let code = code(node)?;
-        if codes.iter().any(|earlier| earlier.code == code.code) {
-            return fault(node, format!("the code {} stands twice", code.code));
-        }
-        codes.push(code);
-    }
-    Ok(Point {
-        id: id(object.need("id")?)?,
-        name: texts(object.need("name")?)?,
-        table: table(object.need("table")?)?,
-        register,
-        encoding,
-        unit: optional(object.find("unit"), text)?,
-        access: [Access::Read, Access::Write, Access::ReadWrite][access],
-        role: [Role::Measurement, Role::Parameter, Role::Command][role],
-        primary: optional(object.find("primary"), boolean)?,
-        range: object.find("range").map(|node| range(node, u16::MAX)).transpose()?,
-        codes,
-        factory: object.find("factory").map(word).transpose()?,
-        danger: optional(object.find("danger"), boolean)?,
-        effect: effect.map(|at| [Effect::Unit, Effect::Baud, Effect::Parity, Effect::Mode, Effect::Restart][at]),
-    })
-}
-
-fn encoding(node: Node<'_>) -> Found<Encoding> {
-    let object = Object::of(node, &["type", "decimals", "words"])?;
-    let types = ["u16", "i16", "u32", "i32", "f32", "reserved_i16", "sign_magnitude_thousandths", "code"];
-    let kind = one_of(object.need("type")?, &types)?;
-    let decimals_node = object.find("decimals");
-    let decimals = optional(decimals_node, |node| integer(node, 18))?;
-    let decimals = u8::try_from(decimals).unwrap_or(0);
-    let words_node = object.find("words");
-    let low_first = optional(words_node, |node| Ok(one_of(node, &["high_first", "low_first"])? == 1))?;
-    let words = if low_first { WordOrder::LowFirst } else { WordOrder::HighFirst };
-    if let (Some(node), 4 | 6 | 7) = (decimals_node, kind) {
-        return fault(node, "this type has no decimals");
-    }
-    if let (Some(node), 0 | 1 | 5..) = (words_node, kind) {
-        return fault(node, "this type has no order of words");
-    }
-    Ok(match kind {
-        0 => Encoding::U16 { decimals },
-        1 => Encoding::I16 { decimals },
-        2 => Encoding::U32 { decimals, words },
-        3 => Encoding::I32 { decimals, words },
-        4 => Encoding::F32 { words },
-        5 => Encoding::ReservedI16 { decimals },
-        6 => Encoding::SignMagnitudeThousandths,
-        _ => Encoding::Code,
-    })
-}
-
-fn code(node: Node<'_>) -> Found<Code> {
-    let object = Object::of(node, &["code", "number", "name"])?;
-    Ok(Code {
-        code: word(object.need("code")?)?,
-        number: object.find("number").map(|node| integer(node, u32::MAX)).transpose()?,
-        name: object.find("name").map(texts).transpose()?,
-    })
-}
-
 fn group(node: Node<'_>) -> Found<Group> {
-    let object = Object::of(node, &["table", "address", "quantity"])?;
+    let object = Object::of(node, &["function", "address", "quantity", "tentative"])?;
     let group = Group {
-        table: table(object.need("table")?)?,
+        function: small(object.need("function")?, u8::MAX)?,
         address: word(object.need("address")?)?,
         quantity: word(object.need("quantity")?)?,
+        tentative: optional(object.find("tentative"), boolean)?,
     };
     if group.request().is_none() {
-        return fault(node, "a group is 1 to 125 input or holding registers");
+        return fault(node, "a group is 1 to 125 registers read by function 3 or 4");
     }
     Ok(group)
 }
 
-fn example(node: Node<'_>, points: &[Point]) -> Found<Example> {
-    let object = Object::of(node, &["point", "registers", "text"])?;
+fn group_of_points(node: Node<'_>, points: &[Point]) -> Found<Group> {
+    let group = group(node)?;
+    if !points.iter().any(|point| group.offset_of(point).is_some()) {
+        return fault(node, "no point lies in this group");
+    }
+    Ok(group)
+}
+
+fn example(node: Node<'_>, profile: &Profile) -> Found<Example> {
+    let object = Object::of(node, &["point", "registers", "decimals", "text"])?;
     let example = Example {
         point: text(object.need("point")?)?,
         registers: list(object.find("registers"), word)?,
+        decimals: object.find("decimals").map(|node| small(node, Decimal::MAX_DECIMALS)).transpose()?,
         text: text(object.need("text")?)?,
     };
-    let Some(point) = points.iter().find(|point| point.id == example.point) else {
+    let Some(point) = profile.point(&example.point) else {
         return fault(node, format!("there is no point {}", example.point));
     };
-    match point.encoding.decode(&example.registers) {
-        Ok(value) => {
+    let known = match (example.decimals, point.decimals_from.as_deref()) {
+        (Some(decimals), Some(teller)) => profile.known_decimals(teller, decimals),
+        (None, None) => Some(Known::default()),
+        (Some(_), None) => return fault(node, "no other point scales this one: leave out decimals"),
+        (None, Some(_)) => return fault(node, "another point scales this one: tell its decimals"),
+    };
+    let Some(mut known) = known else { return fault(node, "the point that scales this one has no such value") };
+    let Some(function) = point.read.iter().chain(&point.write).next() else { return fault(node, "is never read") };
+    let found = profile.decode_points(*function, point.register, &example.registers, &mut known);
+    let value = found.iter().find(|found| found.point.id == point.id).map(|found| found.value);
+    match value {
+        Some(Ok(value)) => {
             let found = point.text(value, |name| &name.en);
             if found != example.text {
                 return fault(node, format!("these registers are {found}, not {}", example.text));
             }
         }
-        Err(error) => return fault(node, format!("these registers hold no value: {error}")),
+        Some(Err(error)) => return fault(node, format!("these registers hold no value: {error}")),
+        None => return fault(node, format!("this point has {} registers", point.encoding.registers())),
     }
     Ok(example)
 }
 
-fn table(node: Node<'_>) -> Found<Table> {
-    Ok([Table::Input, Table::Holding, Table::Coil][one_of(node, &["input", "holding", "coil"])?])
+impl Profile {
+    /// As if this number of decimals had been read.
+    fn known_decimals(&self, teller: &str, decimals: u8) -> Option<Known> {
+        let teller = self.point(teller)?;
+        let number = Value::Number(Decimal::whole(decimals.into()));
+        let code = || teller.codes.iter().find(|code| code.number == Some(decimals.into())).map(|code| code.code);
+        let registers = teller.encoding.encode(number).ok().or_else(|| Some(vec![code()?]))?;
+        let mut known = Known::default();
+        self.decode_points(*teller.read.first()?, teller.register, &registers, &mut known);
+        (known != Known::default()).then_some(known)
+    }
+}
+
+fn erratum(node: Node<'_>) -> Found<Erratum> {
+    let object = Object::of(node, &["printed", "right", "text"])?;
+    Ok(Erratum {
+        printed: optional(object.find("printed"), hex)?,
+        right: optional(object.find("right"), hex)?,
+        text: texts(object.need("text")?)?,
+    })
 }
 
 fn range(node: Node<'_>, most: u16) -> Found<Range> {
@@ -302,123 +272,119 @@ fn texts(node: Node<'_>) -> Found<Texts> {
     Ok(Texts { en: text(object.need("en")?)?, zh: text(object.need("zh")?)? })
 }
 
-/// An object whose keys are all known.
-struct Object<'a> {
-    node: Node<'a>,
-    members: Vec<(Cow<'a, str>, Node<'a>)>,
-}
-
-impl<'a> Object<'a> {
-    fn of(node: Node<'a>, known: &[&str]) -> Found<Self> {
-        let Ok(pairs) = node.to_object() else { return fault(node, "must be an object in braces") };
-        let mut members: Vec<(Cow<'a, str>, Node<'a>)> = Vec::new();
-        for (key, value) in pairs {
-            let Ok(name) = key.to_unquoted_string_str() else { return fault(key, "this key is no text") };
-            if !known.contains(&&*name) {
-                return fault(key, format!("unknown key {name}; known are {}", known.join(", ")));
-            }
-            if members.iter().any(|(earlier, _)| *earlier == name) {
-                return fault(key, format!("the key {name} stands twice"));
-            }
-            members.push((name, value));
-        }
-        Ok(Self { node, members })
-    }
-
-    fn find(&self, key: &str) -> Option<Node<'a>> {
-        self.members.iter().find(|(name, _)| name == key).map(|(_, node)| *node)
-    }
-
-    fn need(&self, key: &str) -> Found<Node<'a>> {
-        self.find(key).map_or_else(|| fault(self.node, format!("the key {key} is missing")), Ok)
-    }
-}
-
-fn optional<'a, T: Default>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Found<T>) -> Found<T> {
-    node.map_or_else(|| Ok(T::default()), read)
-}
-
-fn items(node: Node<'_>) -> Found<Vec<Node<'_>>> {
-    node.to_array().map_or_else(|_| fault(node, "must be a list in brackets"), |items| Ok(items.collect()))
-}
-
-fn list<'a, T>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Found<T>) -> Found<Vec<T>> {
-    optional(node, items)?.into_iter().map(read).collect()
-}
-
-fn text(node: Node<'_>) -> Found<String> {
-    node.to_unquoted_string_str().map_or_else(|_| fault(node, "must be a text in quotes"), |text| Ok(text.into_owned()))
-}
-
-fn id(node: Node<'_>) -> Found<String> {
-    let id = text(node)?;
-    let plain = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-' || b == b'_';
-    if id.is_empty() || !id.bytes().all(plain) {
-        return fault(node, "use lower-case letters, digits, - and _");
-    }
-    Ok(id)
-}
-
-fn boolean(node: Node<'_>) -> Found<bool> {
-    node.as_boolean_str().map_or_else(|_| fault(node, "must be true or false"), |text| Ok(text == "true"))
-}
-
-fn integer(node: Node<'_>, most: u32) -> Found<u32> {
-    let number = node.as_integer_str().ok().and_then(|digits| digits.parse().ok()).filter(|number| *number <= most);
-    number.map_or_else(|| fault(node, format!("must be a whole number from 0 to {most}")), Ok)
-}
-
-fn word(node: Node<'_>) -> Found<u16> {
-    Ok(u16::try_from(integer(node, u16::MAX.into())?).unwrap_or(u16::MAX))
-}
-
-fn small(node: Node<'_>) -> Found<u8> {
-    Ok(u8::try_from(integer(node, u8::MAX.into())?).unwrap_or(u8::MAX))
-}
-
-/// The place of a text among those that are allowed.
-fn one_of(node: Node<'_>, allowed: &[&str]) -> Found<usize> {
-    let text = text(node)?;
-    let at = allowed.iter().position(|name| *name == text);
-    at.map_or_else(|| fault(node, format!("{text} is none of {}", allowed.join(", "))), Ok)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::BUILT_IN;
     use super::*;
 
-    fn line_of(needle: &str) -> usize {
-        BUILT_IN[0].lines().position(|line| line.contains(needle)).unwrap() + 1
+    fn line_of(text: &str, needle: &str) -> usize {
+        text.lines().position(|line| line.contains(needle)).unwrap() + 1
+    }
+
+    /// In a built-in file: what is replaced, by what, a text on the line of the fault, and a part of the reason.
+    fn refused(file: usize, wrong: &[(&str, &str, &str, &str)]) {
+        let text = BUILT_IN[file];
+        for (from, to, place, reason) in wrong {
+            assert!(text.contains(from), "{from}");
+            let error = Profile::from_json(&text.replacen(from, to, 1)).expect_err(to);
+            assert!(error.reason.contains(reason), "{to}: {error}");
+            assert_eq!(error.line, line_of(text, place), "{to}: {error}");
+        }
     }
 
     #[test]
     fn faults_name_line_and_reason() {
+        refused(
+            0,
+            &[
+                ("\"mode\": \"rtu\"", "\"mode\": \"rtx\"", "\"mode\": ", "rtx is none of rtu, ascii"),
+                ("\"format\": 1", "\"format\": 2", "\"format\"", "reads format 1"),
+                ("\"id\": \"displacement\"", "\"id\": \"temperature\"", "\"id\": \"displacement\"", "another point"),
+                ("\"id\": \"displacement\"", "\"id\": \"Displacement\"", "\"id\": \"displacement\"", "lower-case"),
+                ("\"quantity\": 4", "\"quantity\": 126", "\"quantity\": 4", "1 to 125"),
+                ("\"quantity\": 4", "\"quantity\": 1", "\"quantity\": 4", "no point lies"),
+                ("\"text\": \"-0.328\"", "\"text\": \"0.328\"", "\"text\": \"-0.328\"", "are -0.328, not 0.328"),
+                ("\"last\": 247 },\n  \"timing\"", "\"last\": 256 },\n  \"timing\"", "\"units\"", "255 at most"),
+                ("\"unit\": 1,", "\"unit\": 248,", "\"unit\": 1,", "none of the units"),
+                ("\"signal\": \"V+\"", "\"signal\": 5", "\"V+\"", "text in quotes"),
+                ("\"danger\": \"danger\"", "\"danger\": true", "\"danger\": \"danger\"", "text in quotes"),
+                ("\"primary\": true", "\"primary\": 1", "\"primary\"", "true or false"),
+                ("\"signal\": \"A\"", "\"signl\": \"A\"", "\"A\"", "unknown key signl; known are color, name"),
+                ("\"write\": [5]", "\"write\": [3]", "\"id\": \"zero\"", "one of 5, 6, 15, 16"),
+                ("\"write\": [5]", "\"read\": []", "\"id\": \"zero\"", "nothing reads it and nothing writes it"),
+                ("\"register\": \"0x0060\"", "\"register\": \"0x10000\"", "0x0060", "from 0 to 65535"),
+                (
+                    "\"register\": \"0x0060\"",
+                    "\"register\": \"0x0031\"",
+                    "\"id\": \"baud\"",
+                    "output_mode has the same",
+                ),
+                ("\"printed\": \"3A", "\"printed\": \"3", "\"printed\"", "hexadecimal"),
+            ],
+        );
+    }
+
+    #[test]
+    fn points_that_depend_on_others_are_checked() {
+        refused(
+            2,
+            &[
+                (
+                    "\"decimals_from\": \"decimals\"",
+                    "\"decimals_from\": \"digits\"",
+                    "\"id\": \"value\"",
+                    "no point digits",
+                ),
+                ("\"decimals_from\": \"decimals\"", "\"decimals_from\": \"save\"", "\"id\": \"value\"", "can be read"),
+                (
+                    "{ \"type\": \"i16\" }, \"decimals_from\"",
+                    "{ \"type\": \"i16\", \"decimals\": 1 }, \"decimals_from\"",
+                    "\"id\": \"value\"",
+                    "only whole numbers",
+                ),
+                ("\"decimals\": 3, \"text\": \"6.000\"", "\"text\": \"6.000\"", "\"6.000\"", "tell its decimals"),
+                (
+                    "\"decimals\": 3, \"text\": \"6.000\"",
+                    "\"decimals\": 4, \"text\": \"6.000\"",
+                    "\"6.000\"",
+                    "no such value",
+                ),
+                (
+                    "\"decimals\": 3, \"text\": \"6.000\"",
+                    "\"decimals\": 2, \"text\": \"6.000\"",
+                    "\"6.000\"",
+                    "are 60.00",
+                ),
+            ],
+        );
+    }
+
+    #[test]
+    fn encodings_take_only_their_own_keys() {
+        let with = |encoding: &str| {
+            let from = "{ \"type\": \"sign_magnitude_thousandths\" }";
+            assert!(BUILT_IN[0].contains(from));
+            Profile::from_json(&BUILT_IN[0].replacen(from, encoding, 1)).map_err(|error| error.reason)
+        };
         let wrong = [
-            ("\"mode\": \"rtu\"", "\"mode\": \"rtx\"", "\"mode\"", "rtx is none of rtu, ascii"),
-            ("\"format\": 1", "\"format\": 2", "\"format\"", "reads format 1"),
-            ("\"id\": \"displacement\"", "\"id\": \"temperature\"", "\"displacement\"", "another point"),
-            ("\"id\": \"displacement\"", "\"id\": \"Displacement\"", "\"displacement\"", "lower-case"),
-            ("\"quantity\": 4", "\"quantity\": 126", "\"quantity\": 4", "1 to 125"),
-            ("\"address\": 2, \"quantity\": 4", "\"address\": 3, \"quantity\": 3", "\"temperature\"", "no group"),
-            ("\"text\": \"-0.328\"", "\"text\": \"0.328\"", "\"text\": \"-0.328\"", "are -0.328, not 0.328"),
-            ("\"last\": 247 },\n  \"timing\"", "\"last\": 256 },\n  \"timing\"", "\"units\"", "255 at most"),
-            ("\"signal\": \"V+\"", "\"signal\": 5", "\"V+\"", "text in quotes"),
-            ("\"danger\": true", "\"danger\": 1", "\"danger\"", "true or false"),
-            (
-                "\"type\": \"code\" }, \"unit\": \"Bd\"",
-                "\"type\": \"code\", \"decimals\": 1 }",
-                "\"Bd\"",
-                "no decimals",
-            ),
-            ("\"signal\": \"A\"", "\"signl\": \"A\"", "\"A\"", "unknown key signl"),
+            ("{ \"type\": \"code\", \"decimals\": 1 }", "this type has no decimals"),
+            ("{ \"type\": \"code\", \"order\": \"ABCD\" }", "this type has no order"),
+            ("{ \"type\": \"u32\", \"mask\": 1 }", "this type has no mask"),
+            ("{ \"type\": \"u32\", \"decimals\": 19 }", "from -9 to 18"),
+            ("{ \"type\": \"u16\", \"order\": \"CDAB\" }", "one register is ABCD"),
+            ("{ \"type\": \"u32\", \"order\": \"ACBD\" }", "ACBD is none of ABCD"),
+            ("{ \"type\": \"bits\", \"mask\": 0 }", "at least one bit"),
+            ("{ \"type\": \"bits\", \"mask\": 4, \"shift\": 3 }", "from 0 to 2"),
+            ("{ \"type\": \"bits\" }", "the key mask is missing"),
+            ("{ \"type\": \"text\", \"registers\": 0 }", "must be 1 to 16"),
+            ("{ \"type\": \"text\", \"registers\": 17 }", "from 0 to 16"),
         ];
-        for (from, to, place, reason) in wrong {
-            assert!(BUILT_IN[0].contains(from), "{from}");
-            let error = Profile::from_json(&BUILT_IN[0].replacen(from, to, 1)).expect_err(to);
-            assert!(error.reason.contains(reason), "{to}: {error}");
-            assert_eq!(error.line, line_of(place), "{to}: {error}");
+        for (encoding, reason) in wrong {
+            assert!(with(encoding).unwrap_err().contains(reason), "{encoding}");
         }
+        // A right one fails only later, at the worked examples.
+        let reason = with("{ \"type\": \"i32\", \"decimals\": -1, \"order\": \"DCBA\" }").unwrap_err();
+        assert!(reason.contains("these registers are"), "{reason}");
     }
 
     #[test]

@@ -36,7 +36,12 @@ fn figure(app: &'static App, point: &'static Point) -> El {
         let value = app.status.with(|status| device::reading(status, &point.id));
         value.map_or_else(|| "\u{2013}".to_owned(), |value| device::value_text(app.language.get(), point, value))
     });
-    let reading = el("p").class("reading").child(value).child(el("span").class("unit").test("unit").text(&point.unit));
+    let device = app.settings.device();
+    let unit = el("span").class("unit").test("unit").live_text(move || {
+        let language = app.language.get();
+        app.status.with(|status| device.unit(language, status, point))
+    });
+    let reading = el("p").class("reading").child(value).child(unit);
     let age = el("p").class("age").live_text(move || if stale() { age_text(app, point) } else { String::new() });
     let statistics = el("dl")
         .class("statistics")

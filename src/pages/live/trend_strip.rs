@@ -45,7 +45,11 @@ pub(super) fn trend_strip(app: &'static App) -> El {
     let unit = point.clone();
     let header = el("header")
         .child(el("h2").say(app, Language::last_minute))
-        .child(el("span").class("muted").live_text(move || unit().map(|point| point.unit.clone()).unwrap_or_default()))
+        .child(el("span").class("muted").live_text(move || {
+            let language = app.language.get();
+            let text = |point: &Point| app.status.with(|status| app.settings.device().unit(language, status, point));
+            unit().map(text).unwrap_or_default()
+        }))
         .child(el("span").class("space"))
         .child(tabs);
     // The size is known only once the strip is on the page.
