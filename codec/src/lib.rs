@@ -26,6 +26,7 @@ pub mod check;
 pub mod dissect;
 pub mod intake;
 pub mod line;
+pub mod outline;
 pub mod pdu;
 pub mod profile;
 pub mod rtu;
