@@ -93,7 +93,7 @@ fn after_zeros(crc: u16, power: u16) -> u16 {
     let (mut sum, mut shifted) = (0, crc);
     for bit in (0..16).rev() {
         sum ^= shifted * (power >> bit & 1);
-        shifted = shifted >> 1 ^ POLYNOMIAL * (shifted & 1);
+        shifted = (shifted >> 1) ^ (POLYNOMIAL * (shifted & 1));
     }
     sum
 }

@@ -5,6 +5,7 @@
 //! CRC runs over the stream once, and the check of every part of it follows from the CRC before and behind the part.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use crate::check::{between, is_right, powers, step};
 use crate::rtu::MAX_ADU_LEN;
@@ -22,6 +23,8 @@ pub(super) struct Checks {
     /// Steps made byte by byte.
     spent: u64,
     run: Run,
+    /// Places at which no frame begins whose function tells its length.
+    pub(super) bare: Range<u64>,
     #[cfg(test)]
     pub(super) work: u64,
 }
@@ -51,15 +54,10 @@ impl Checks {
         is_right(frame)
     }
 
-    /// The lengths from `first` on, each `stride` more, at which `bytes` (256 at most) has a right check.
-    pub(super) fn right_lengths(&mut self, bytes: &[u8], first: usize, stride: usize) -> impl Iterator<Item = usize> {
-        self.count(bytes.len());
-        let crcs = bytes.iter().scan(0xFFFF, |crc, byte| {
-            *crc = step(*crc, *byte);
-            Some(*crc)
-        });
-        let ends = crcs.zip(1usize..).skip(first.saturating_sub(1)).step_by(stride);
-        ends.filter(|(crc, _)| *crc == 0).map(|(_, len)| len)
+    /// The CRC `crc` after one more byte.
+    pub(super) fn step(&mut self, crc: u16, byte: u8) -> u16 {
+        self.count(1);
+        step(crc, byte)
     }
 
     #[cold]
