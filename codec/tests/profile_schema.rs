@@ -20,7 +20,7 @@ fn example() -> &'static str {
 #[test]
 fn the_documented_example_loads_and_uses_every_key() {
     let profile = Profile::from_json(example()).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(profile.points.len(), 9);
+    assert_eq!(profile.points.len(), 10);
     let document: Value = serde_json::from_str(example()).unwrap();
     let mut used = BTreeSet::new();
     gather_keys(&document, &mut used);
@@ -59,6 +59,7 @@ fn the_schema_knows_the_words_of_the_loader() {
         ("/points/0/role", "/$defs/point/properties/role/enum"),
         ("/points/7/danger", "/$defs/danger/enum"),
         ("/points/6/effects/0", "/$defs/point/properties/effects/items/enum"),
+        ("/points/8/codes/0/sets", "/$defs/code/properties/sets/enum"),
         ("/points/6/reply", "/$defs/point/properties/reply/enum"),
         ("/points/3/encoding/order", "/$defs/order/enum"),
     ];
