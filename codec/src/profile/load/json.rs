@@ -74,7 +74,12 @@ pub(super) fn items(node: Node<'_>) -> Found<Vec<Node<'_>>> {
 }
 
 pub(super) fn list<'a, T>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Found<T>) -> Found<Vec<T>> {
-    optional(node, items)?.into_iter().map(read).collect()
+    // A plain loop: collecting results costs twice the code for each type.
+    let mut all = Vec::new();
+    for item in optional(node, items)? {
+        all.push(read(item)?);
+    }
+    Ok(all)
 }
 
 pub(super) fn text(node: Node<'_>) -> Found<String> {
