@@ -23,7 +23,7 @@ use crate::value::{Decimal, Value};
 
 pub(super) fn load(text: &str) -> Result<Profile, ProfileError> {
     let json = RawJson::parse(text).map_err(|error| place(text, syntax_fault(&error)))?;
-    profile(json.value()).map_err(|fault| place(text, fault))
+    profile(json.value()).map_err(|fault| place(text, *fault))
 }
 
 fn place(text: &str, fault: Fault) -> ProfileError {

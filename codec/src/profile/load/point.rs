@@ -330,3 +330,30 @@ fn effect(node: Node<'_>) -> Found<Effect> {
         ],
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use nojson::RawJson;
+
+    use super::*;
+
+    #[test]
+    fn every_type_is_read_as_what_it_is_called() {
+        for name in TYPES {
+            let more = match name {
+                "bits" => ", \"mask\": \"0x0F00\"",
+                "text" => ", \"registers\": 3",
+                _ => "",
+            };
+            let text = format!("{{ \"type\": \"{name}\"{more} }}");
+            let json = RawJson::parse(&text).unwrap();
+            let found = encoding(json.value()).unwrap_or_else(|fault| panic!("{name}: {}", fault.reason));
+            assert_eq!(found.type_name(), name);
+            match found {
+                Encoding::Bits { mask, shift } => assert_eq!((mask, shift), (0x0F00, 8)),
+                Encoding::Text { registers, .. } => assert_eq!(registers, 3),
+                _ => assert!(matches!(found.decimals(), None | Some(0))),
+            }
+        }
+    }
+}
