@@ -90,11 +90,6 @@ impl Anatomy {
         }
     }
 
-    /// Whether the bytes have the length and the contents of a function that is known, right check or not.
-    pub(crate) fn has_known_shape(&self) -> bool {
-        self.facts.as_ref().is_some_and(|facts| facts.known_shape)
-    }
-
     /// The same bytes as mere bytes.
     pub(crate) fn as_noise(&self, language: Language) -> Self {
         let parts = noise(language, self.bytes.len());
@@ -217,8 +212,8 @@ impl Words<'_> {
                 };
                 part("data", t.coil_value(), &hex_spaced(&value.to_be_bytes()), state, state)
             }
-            FieldKind::Data => part("data", t.data(), &hex_spaced(&self.bytes[range.clone()]), "", t.data()),
             FieldKind::Check => self.check_part(range.clone(), found.check),
+            _ => part("data", t.data(), &hex_spaced(&self.bytes[range.clone()]), "", t.data()),
         }
     }
 

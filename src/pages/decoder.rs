@@ -216,7 +216,7 @@ fn error_line(language: Language, error: IntakeError) -> El {
 fn error_text(language: Language, error: IntakeError) -> String {
     let what = match error.fault {
         IntakeFault::Unexpected(character) => language.unexpected_character(character),
-        IntakeFault::OddDigits => language.odd_digits().to_owned(),
+        _ => language.odd_digits().to_owned(),
     };
     language.parse_error_at(error.line, error.column, &what)
 }
