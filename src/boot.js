@@ -3,7 +3,10 @@
 const inWindow = typeof document !== "undefined";
 const early = [];
 const hold = (event) => early.push(event);
-if (inWindow) globalThis.buslensWorker = import.meta.url;
+if (inWindow) {
+  globalThis.buslensWorker = import.meta.url;
+  globalThis.buslensAnalyst = new URL("analyst.js", import.meta.url).href;
+}
 // What the window says before the worker's program listens is kept for it.
 else addEventListener("message", hold);
 try {

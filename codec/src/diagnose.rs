@@ -12,6 +12,8 @@ pub(crate) mod shape;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use crate::dissect::{Direction, Dissection, NamedValue};
 use crate::line::Mode;
 use crate::profile::Profile;
@@ -19,7 +21,7 @@ use crate::profile::Profile;
 /// Something that is wrong or remarkable about a frame.
 ///
 /// Places count from 0: bytes of the frame in RTU mode; characters of the frame, the colon being 0, in ASCII mode.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Diagnosis {
     /// One bit is wrong.
     SingleBitError {
@@ -103,7 +105,7 @@ pub enum Diagnosis {
 }
 
 /// A repair and its place.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Placed {
     /// The place.
     pub at: usize,

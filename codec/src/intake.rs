@@ -27,6 +27,8 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::mem;
 
+use serde::{Deserialize, Serialize};
+
 pub use form::{Detection, Form, detect};
 
 use crate::segment::Segment;
@@ -55,7 +57,7 @@ pub struct Intake {
 }
 
 /// Where a text stops making sense.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[error("line {line}, column {column}: {fault}")]
 pub struct IntakeError {
     /// Counted from 1.
@@ -67,7 +69,7 @@ pub struct IntakeError {
 }
 
 /// What is wrong with a text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 pub enum IntakeFault {
     /// A character that fits nothing there. Once for a word.
     #[error("unexpected {0:?}")]

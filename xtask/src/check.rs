@@ -107,7 +107,7 @@ fn clippy() -> Result<()> {
 
 fn clippy_wasm(options: site::Options) -> Result<()> {
     let mut clippy = Wasm::find(options.debian_std)?.clippy()?;
-    machine::run(clippy.args(["--package", "buslens", "--", "-D", "warnings"]))
+    machine::run(clippy.args(["--package", "buslens", "--package", "buslens-analyst", "--", "-D", "warnings"]))
 }
 
 fn bare(options: site::Options) -> Result<()> {

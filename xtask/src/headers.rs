@@ -16,7 +16,7 @@ enum Scope {
 }
 
 /// The page and its worker run what comes from here and nothing else; the page can be in no frame.
-/// `require-trusted-types-for` is missing because Leptos sets the fixed parts of a view through `innerHTML`.
+/// `require-trusted-types-for` is missing because the workers are started by their addresses.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
      img-src 'self' data:; connect-src 'self'; worker-src 'self'; font-src 'self'; manifest-src 'self'; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -47,24 +47,40 @@ impl FirstLoad {
 
 /// Builds the site into `folder`, which is replaced as a whole.
 pub(crate) fn build(options: Options, folder: &Path) -> Result<FirstLoad> {
-    let compiled = compile(Wasm::find(options.debian_std)?)?;
+    let toolchain = Wasm::find(options.debian_std)?;
+    let page = compile(toolchain, PAGE)?;
+    let analyst = compile(toolchain, ANALYST)?;
     println!("site: binding and compressing");
-    let bound = bind(&compiled, options.symbols)?;
-    let files: Vec<_> = assemble(bound)?.into_iter().map(Packed::new).collect::<Result<_>>()?;
-    write(&files, folder)?;
-    print!("{}", table(&files));
-    let bytes = files.iter().map(|file| file.brotli.len()).sum();
+    let site = assemble(&bind(&page, options.symbols)?, &bind(&analyst, options.symbols)?)?;
+    let pack = |files: Vec<File>| files.into_iter().map(Packed::new).collect::<Result<Vec<_>>>();
+    let (first, later) = (pack(site.first)?, pack(site.later)?);
+    write(first.iter().chain(&later), folder)?;
+    print!("{}", table(&first, &later));
+    let bytes = first.iter().map(|file| file.brotli.len()).sum();
     Ok(FirstLoad { bytes, budget: if options.symbols { usize::MAX } else { BUDGET } })
 }
 
-fn compile(toolchain: Wasm) -> Result<PathBuf> {
-    println!("site: compiling");
+/// A program of the site: its package and binary, which have the same name, and the profile that it is compiled with.
+#[derive(Clone, Copy)]
+struct Program {
+    name: &'static str,
+    profile: &'static str,
+}
+
+/// The page with its engine.
+const PAGE: Program = Program { name: "buslens", profile: "site" };
+/// Reads whole texts; loaded when there is one to read.
+const ANALYST: Program = Program { name: "buslens-analyst", profile: "analyst" };
+
+fn compile(toolchain: Wasm, program: Program) -> Result<PathBuf> {
+    let Program { name, profile } = program;
+    println!("site: compiling {name}");
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", "buslens", "--bin", "buslens", "--profile", "site"]);
+    cargo.args(["--package", name, "--bin", name, "--profile", profile]);
     // Panic messages name source files. Without this they would name this machine's folders.
     cargo.env("CARGO_ENCODED_RUSTFLAGS", short_paths().join("\u{1f}"));
     machine::run(&mut cargo)?;
-    Ok(machine::root().join("target/wasm").join(TARGET).join("site/buslens.wasm"))
+    Ok(machine::root().join("target/wasm").join(TARGET).join(profile).join(format!("{name}.wasm")))
 }
 
 /// Compiler flags that shorten the paths of sources. Where several fit, the compiler takes the last.
@@ -116,8 +132,8 @@ struct File {
 
 impl File {
     /// A file whose name changes with its content.
-    fn named(extension: &str, bytes: Vec<u8>) -> Self {
-        let mut name = "buslens-".to_owned();
+    fn named(stem: &str, extension: &str, bytes: Vec<u8>) -> Self {
+        let mut name = format!("{stem}-");
         for byte in &Sha256::digest(&bytes)[..5] {
             let _ = write!(name, "{byte:02x}");
         }
@@ -125,15 +141,28 @@ impl File {
     }
 }
 
-/// All files that a visitor loads; the page first. Each file's name is put into the files that refer to it.
-fn assemble(bound: Bound) -> Result<Vec<File>> {
+/// The files of a site.
+struct Site {
+    /// What a visitor loads at once; the page first.
+    first: Vec<File>,
+    /// What is loaded when it is needed.
+    later: Vec<File>,
+}
+
+/// All files. Each file's name is put into the files that refer to it.
+fn assemble(page: &Bound, analyst: &Bound) -> Result<Site> {
     let root = machine::root();
     let source = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
-    let wasm = File::named("wasm", bound.wasm);
-    let script = replace(&script(&bound.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
-    let script = File::named("js", minify::js(&script).into_bytes());
-    let style = File::named("css", minify::css(&styles(&root.join("style"))?).into_bytes());
-    let icon = File::named("svg", source("icon.svg")?.into_bytes());
+    let named = |stem, extension, bytes| File::named(stem, extension, bytes);
+    let analyst_wasm = named("buslens-analyst", "wasm", analyst.wasm.clone());
+    let script = replace(&script(&analyst.glue, &source("analyst/boot.js")?)?, "\"analyst.wasm\"", &analyst_wasm.name)?;
+    let analyst_script = named("buslens-analyst", "js", minify::js(&script).into_bytes());
+    let wasm = named("buslens", "wasm", page.wasm.clone());
+    let script = replace(&self::script(&page.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
+    let script = replace(&script, "\"analyst.js\"", &analyst_script.name)?;
+    let script = named("buslens", "js", minify::js(&script).into_bytes());
+    let style = named("buslens", "css", minify::css(&styles(&root.join("style"))?).into_bytes());
+    let icon = named("buslens", "svg", source("icon.svg")?.into_bytes());
     let mut page = source("index.html")?;
     for (plain, file) in
         [("\"buslens.wasm\"", &wasm), ("\"buslens.js\"", &script), ("\"buslens.css\"", &style), ("\"icon.svg\"", &icon)]
@@ -141,7 +170,7 @@ fn assemble(bound: Bound) -> Result<Vec<File>> {
         page = replace(&page, plain, &file.name)?;
     }
     let page = File { name: "index.html".to_owned(), bytes: page.into_bytes() };
-    Ok(vec![page, script, wasm, style, icon])
+    Ok(Site { first: vec![page, script, wasm, style, icon], later: vec![analyst_script, analyst_wasm] })
 }
 
 /// The one script of window and worker: the generated bindings, which nobody imports any more, and what starts them.
@@ -193,19 +222,20 @@ impl Packed {
 }
 
 /// Writes beside `folder` first, so that nobody is served half a site.
-fn write(files: &[Packed], folder: &Path) -> Result<()> {
+fn write<'a>(files: impl Iterator<Item = &'a Packed>, folder: &Path) -> Result<()> {
     let fresh = machine::root().join(format!("target/site-{}", process::id()));
     fs::create_dir_all(&fresh)?;
     let put = |name: &str, bytes: &[u8]| {
         let path = fresh.join(name);
         fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))
     };
+    let mut paths = Vec::new();
     for Packed { file, gzip, brotli } in files {
         put(&file.name, &file.bytes)?;
         put(&format!("{}.gz", file.name), gzip)?;
         put(&format!("{}.br", file.name), brotli)?;
+        paths.push(format!("/{}", file.name));
     }
-    let paths: Vec<_> = files.iter().map(|packed| format!("/{}", packed.file.name)).collect();
     put("_headers", headers::file(paths.iter().map(String::as_str)).as_bytes())?;
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("cannot replace {}", folder.display()))?;
@@ -213,20 +243,22 @@ fn write(files: &[Packed], folder: &Path) -> Result<()> {
     fs::rename(&fresh, folder).with_context(|| format!("cannot write {}", folder.display()))
 }
 
-fn table(files: &[Packed]) -> String {
-    let mut text = format!("{:<24}{:>10}{:>10}{:>10}\n", "file (bytes)", "raw", "gzip", "brotli");
-    let mut sum = [0; 3];
-    let mut row = |name: &str, sizes: [usize; 3]| {
-        let _ = writeln!(text, "{name:<24}{:>10}{:>10}{:>10}", sizes[0], sizes[1], sizes[2]);
-    };
-    for Packed { file, gzip, brotli } in files {
-        let sizes = [file.bytes.len(), gzip.len(), brotli.len()];
-        row(&file.name, sizes);
-        for (sum, size) in sum.iter_mut().zip(sizes) {
-            *sum += size;
+fn table(first: &[Packed], later: &[Packed]) -> String {
+    let mut text = format!("{:<36}{:>10}{:>10}{:>10}\n", "file (bytes)", "raw", "gzip", "brotli");
+    for (files, sum_name) in [(first, "first load"), (later, "on demand")] {
+        let mut sum = [0; 3];
+        let mut row = |name: &str, sizes: [usize; 3]| {
+            let _ = writeln!(text, "{name:<36}{:>10}{:>10}{:>10}", sizes[0], sizes[1], sizes[2]);
+        };
+        for Packed { file, gzip, brotli } in files {
+            let sizes = [file.bytes.len(), gzip.len(), brotli.len()];
+            row(&file.name, sizes);
+            for (sum, size) in sum.iter_mut().zip(sizes) {
+                *sum += size;
+            }
         }
+        row(sum_name, sum);
     }
-    row("first load", sum);
     text
 }
 
@@ -253,7 +285,7 @@ mod tests {
 
     #[test]
     fn name_changes_with_the_content() {
-        let name = |text: &str| File::named("js", text.into()).name;
+        let name = |text: &str| File::named("buslens", "js", text.into()).name;
         assert_eq!(name("a"), name("a"));
         assert_ne!(name("a"), name("b"));
         assert_eq!(name("a").split_once('-').map(|parts| parts.0), Some("buslens"));
@@ -276,7 +308,7 @@ mod tests {
     #[test]
     fn packed_forms_unpack_to_the_same() {
         let bytes = b"every byte counts, every byte counts".to_vec();
-        let packed = Packed::new(File::named("css", bytes.clone())).unwrap();
+        let packed = Packed::new(File::named("buslens", "css", bytes.clone())).unwrap();
         let mut unpacked = Vec::new();
         brotli::BrotliDecompress(&mut packed.brotli.as_slice(), &mut unpacked).unwrap();
         assert_eq!(unpacked, bytes);

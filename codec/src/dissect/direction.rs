@@ -1,7 +1,9 @@
+use serde::{Deserialize, Serialize};
+
 use crate::pdu::{EXCEPTION, Request, Response};
 
 /// Which way a frame goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// From the master.
     Request,

@@ -2,6 +2,8 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::dump::{self, Row};
 use super::hex::{self, Lexeme, Lexer};
 use super::line::{Line, spaces};
@@ -9,7 +11,7 @@ use super::{ascii, decimal, log};
 use crate::rtu;
 
 /// How a text is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Form {
     /// Hexadecimal bytes in any spelling: with or without separators, prefixes and suffixes, as arrays and strings of
     /// programs, with comments. A line that is a frame of ASCII mode is read as one.

@@ -207,7 +207,7 @@ impl Point {
     }
 
     /// The ids of the points that it needs for its scale and its unit.
-    pub(super) fn refers_to(&self) -> impl Iterator<Item = &str> {
+    pub fn refers_to(&self) -> impl Iterator<Item = &str> {
         self.decimals_from.as_deref().into_iter().chain(self.unit_from.as_deref())
     }
 }

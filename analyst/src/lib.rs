@@ -1,0 +1,13 @@
+//! The analyst: texts of any size become lists of frames, in a worker beside the page.
+//!
+//! [`Desk`] does the work and knows no browser; the program of this package gives it a worker to work in. [`message`] is
+//! all that crosses between worker and window. Nothing here makes sentences: that is the page's part, in two languages.
+
+mod desk;
+mod export;
+mod filter;
+pub mod message;
+mod scale;
+mod statistics;
+
+pub use desk::Desk;

@@ -1,0 +1,209 @@
+//! What the window and the analyst's worker say to each other. In the worker's messages a text or a file travels beside
+//! these, as the browser's own object: they are never copied into a message.
+
+use buslens_codec::diagnose::Diagnosis;
+use buslens_codec::dissect::Direction;
+use buslens_codec::intake::{Form, IntakeError};
+use buslens_codec::line::Mode;
+use serde::{Deserialize, Serialize};
+
+/// Window to analyst.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ToAnalyst {
+    /// Read the text or the file that comes with this message; with neither, the one that was kept last.
+    Read {
+        /// Names what is said about this text: the answers carry it.
+        reading: u32,
+        /// How to read it; `None` finds out.
+        form: Option<Form>,
+        /// Keep it for the next visit.
+        keep: bool,
+    },
+    /// Stop reading; what has been read stays.
+    Cancel,
+    /// Name values under this profile.
+    Profile(ProfileChoice),
+    /// Show only what fits.
+    Filter(Filter),
+    /// Send some of the list, as it is filtered.
+    Rows {
+        /// The first, counted from 0.
+        from: u32,
+        /// How many.
+        count: u32,
+    },
+    /// Make a file of the list, as it is filtered.
+    Export(Format),
+    /// Forget what was kept.
+    Forget,
+}
+
+/// Whose registers they are.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ProfileChoice {
+    /// The built-in profile that explains most frames.
+    #[default]
+    Auto,
+    /// None: bare registers.
+    None,
+    /// A profile, as the text of its file.
+    File(String),
+}
+
+/// What of the list is shown. The default shows everything.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Filter {
+    /// Only this unit id.
+    pub unit: Option<u8>,
+    /// Only this function code, its exceptions included.
+    pub function: Option<u8>,
+    /// Only what is wrong: damaged frames, noise, exceptions, requests without answer, answers without request.
+    pub errors_only: bool,
+    /// Only what holds this: bytes in hexadecimal, the name of a point, or the id of a diagnosis. Empty for all.
+    pub text: String,
+}
+
+/// A form of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Format {
+    /// One JSON object a line.
+    JsonLines,
+    /// A table with a head, separated by commas.
+    Csv,
+    /// Bytes in hexadecimal, a frame a line, with marks of direction.
+    Hex,
+}
+
+/// Analyst to window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum FromAnalyst {
+    /// How far reading has come. The last one of a reading says so.
+    Progress(Progress),
+    /// Some of the list.
+    Rows(Rows),
+    /// What the whole list holds, once it has been read.
+    Statistics(Statistics),
+    /// The file that comes with this message is ready.
+    Exported(Format),
+    /// There was no kept text, or it cannot be read.
+    NothingKept,
+    /// The text could not be read to its end, in the browser's words.
+    Unreadable(String),
+    /// The analyst has failed for good.
+    Panicked(String),
+}
+
+/// How far reading has come.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Which reading.
+    pub reading: u32,
+    /// Characters read, bytes of a file.
+    pub done: u64,
+    /// Of how many.
+    pub total: u64,
+    /// Nothing more comes.
+    pub finished: bool,
+    /// It was stopped before its end.
+    pub cancelled: bool,
+    /// Frames and stretches of noise so far.
+    pub entries: u32,
+    /// Of those, how many the filter lets through.
+    pub shown: u32,
+    /// Changes whenever rows that were sent before are no longer what they were.
+    pub edition: u32,
+    /// How the text is read.
+    pub form: Option<Form>,
+    /// Another sensible way.
+    pub alternative: Option<Form>,
+    /// The first places that could not be read.
+    pub faults: Vec<IntakeError>,
+    /// How many there are.
+    pub fault_count: u64,
+    /// Id of the profile in force.
+    pub profile: Option<String>,
+}
+
+/// Some rows of the list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rows {
+    /// As in [`Progress::edition`].
+    pub edition: u32,
+    /// Place of the first among the shown.
+    pub from: u32,
+    /// The rows.
+    pub rows: Vec<Row>,
+}
+
+/// A frame or a stretch of noise, with all that is needed to put it into words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Its number in the whole list, from 0.
+    pub index: u32,
+    /// Place in the stream of bytes.
+    pub offset: u64,
+    /// Line of the text, from 1; 0 for none.
+    pub line: u32,
+    /// Microseconds on the source's clock.
+    pub time_us: Option<u64>,
+    /// Frame or noise.
+    pub is_frame: bool,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// Which way it goes.
+    pub direction: Direction,
+    /// Number of the other half of the exchange.
+    pub pair: Option<u32>,
+    /// The bytes; of long noise the first.
+    pub bytes: Vec<u8>,
+    /// How many bytes there are.
+    pub length: u32,
+    /// The request's PDU, if this answers one.
+    pub request: Vec<u8>,
+    /// Registers seen before that tell scales and units of this unit's values: function, address, value.
+    pub told: Vec<(u8, u16, u16)>,
+    /// What is wrong or remarkable.
+    pub diagnoses: Vec<Diagnosis>,
+    /// A request that nothing answers.
+    pub unanswered: bool,
+    /// An answer that nothing asked for.
+    pub orphan: bool,
+}
+
+/// What a list holds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Which reading.
+    pub reading: u32,
+    /// Everything together.
+    pub total: Tally,
+    /// The same for each unit id that was seen.
+    pub units: Vec<(u8, Tally)>,
+    /// How many frames of each function code.
+    pub functions: Vec<(u8, u32)>,
+    /// How often each diagnosis was made, by its id.
+    pub diagnoses: Vec<(String, u32)>,
+}
+
+/// Counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tally {
+    /// Frames with a right check.
+    pub frames: u32,
+    /// Of those, requests.
+    pub requests: u32,
+    /// Of those, responses, exceptions among them.
+    pub responses: u32,
+    /// Exceptions.
+    pub exceptions: u32,
+    /// Frames with a wrong check.
+    pub damaged: u32,
+    /// Requests that nothing answers.
+    pub unanswered: u32,
+    /// Responses that nothing asked for.
+    pub orphans: u32,
+    /// Stretches of noise.
+    pub stretches: u32,
+    /// Bytes in them.
+    pub noise_bytes: u64,
+}
