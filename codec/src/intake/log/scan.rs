@@ -280,7 +280,7 @@ impl Scan<'_> {
     fn frame(&mut self, at: usize) {
         let digits = hex_digits(self.codes, at + 1);
         let end = at + 1 + digits;
-        if digits < 6 || digits % 2 != 0 {
+        if digits < 6 || !digits.is_multiple_of(2) {
             return;
         }
         let before = at.checked_sub(1).and_then(|at| self.codes.get(at)).copied().unwrap_or(b' ');
@@ -295,15 +295,18 @@ impl Scan<'_> {
     fn token(&mut self, start: usize, end: usize, digits: Span, style: Style) {
         let token = Token { start, end, digits, style };
         let damaged = self.damaged.take();
-        let Some(mut run) = self.current.take() else {
+        let Some(run) = &mut self.current else {
             self.current = Some(Run::new(self.codes, token));
             return;
         };
         match run.push(self.codes, token, damaged) {
-            None => self.current = Some(run),
+            None => {
+                run.push_plain(self.codes);
+                self.at = self.at.max(run.end);
+            }
             Some(next) => {
+                let run = core::mem::replace(run, next);
                 self.take(run);
-                self.current = Some(next);
             }
         }
     }
