@@ -358,6 +358,22 @@ fn remarks_hold_no_bytes() {
 }
 
 #[test]
+fn a_line_may_hold_both_halves_of_an_exchange() {
+    let frames = ["01 03 00 31 00 01 D5 C5", "01 03 02 00 07 F9 86"];
+    for (line, directions) in [
+        ("TX: {0} RX: {1}", [Request, Response]),
+        ("10:21:33.482 TX {0} | RX {1}", [Request, Response]),
+        ("发送 {0} 接收 {1}", [Request, Response]),
+        ("{0} -> {1}", [Unknown, Unknown]),
+        ("Exchange: {0} / {1}", [Unknown, Unknown]),
+    ] {
+        let intake = read(&line.replace("{0}", frames[0]).replace("{1}", frames[1]));
+        let found: Vec<_> = parts(&intake).iter().map(|(bytes, direction, _)| (*bytes, *direction)).collect();
+        assert_eq!(found, [(FRAMES[2], directions[0]), (FRAMES[3], directions[1])], "{line}");
+    }
+}
+
+#[test]
 fn a_chunk_may_be_a_byte_and_a_frame_may_be_cut() {
     let intake = read("[10:21:33.482]收←◆01\n[10:21:33.484]收←◆03 02 00\n[10:21:33.486]收←◆07 F9 86");
     let expected: [(&[u8], _, _); 3] = [

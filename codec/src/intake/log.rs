@@ -77,6 +77,19 @@ impl State {
             }
             return;
         };
+        if let Some(other) = found.other {
+            let (first, second) = if other.start < run.start { (other, run) } else { (run, other) };
+            // An arrow between the two says nothing of the first.
+            let direction = if found.mark_end.is_some() { own.direction } else { Direction::Unknown };
+            decode(line, first, output);
+            output.close(start, line.number, direction, own.time_us);
+            let start = output.bytes.len();
+            decode(line, second, output);
+            output.close(start, line.number, found.second, own.time_us);
+            self.heading = None;
+            self.part.clear();
+            return;
+        }
         decode(line, run, output);
         let bytes = output.bytes.get(start..).unwrap_or_default();
         let bare = found.direction == Direction::Unknown && found.time_us.is_none() && found.words == 0;

@@ -283,8 +283,9 @@ impl Run {
     }
 
     /// Whether its bytes are an RTU frame with a right check.
-    fn is_frame(&self, codes: &[u8]) -> bool {
-        if self.bytes < rtu::MIN_ADU_LEN || self.bytes > rtu::MAX_ADU_LEN {
+    pub(super) fn is_frame(&self, codes: &[u8]) -> bool {
+        let numbers = matches!(self.kind, Kind::Hex | Kind::Decimal);
+        if !numbers || self.bytes < rtu::MIN_ADU_LEN || self.bytes > rtu::MAX_ADU_LEN {
             return false;
         }
         let mut bytes = Vec::with_capacity(self.bytes);
