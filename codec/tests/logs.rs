@@ -358,6 +358,30 @@ fn remarks_hold_no_bytes() {
 }
 
 #[test]
+fn numbers_and_words_beside_bare_frames_are_no_bytes() {
+    for text in [
+        "1) {0}\n2) {1}",
+        "1. {0}\n2. {1}",
+        "1: {0}\n2: {1}",
+        "12\t{0}\n13\t{1}",
+        "000012-{0}\n000013-{1}",
+        "{0} (8 bytes)\n{1} (7 bytes)",
+        "{0}   8\n{1}   7",
+        "Please look at this:\n{0}\n{1}\nWhat is wrong?",
+        "请看：\n{0}\n{1}\n超时",
+        "地址1 读取波特率 {0}\n{1}",
+    ] {
+        let text = text.replace("{0}", "01 03 00 31 00 01 D5 C5").replace("{1}", "01 03 02 00 07 F9 86");
+        let intake = read(&text);
+        assert_eq!(intake.fault_count, 0, "{text}");
+        assert_eq!(parts(&intake), [(FRAMES[2], Unknown, None), (FRAMES[3], Unknown, None)], "{text}");
+    }
+    // Frames in words of their own are all kept.
+    let text = "TX 010300310001D5C5 0103020007F986";
+    assert_eq!(read(text).bytes, [FRAMES[2], FRAMES[3]].concat());
+}
+
+#[test]
 fn a_line_may_hold_both_halves_of_an_exchange() {
     let frames = ["01 03 00 31 00 01 D5 C5", "01 03 02 00 07 F9 86"];
     for (line, directions) in [

@@ -15,7 +15,7 @@ pub(super) const RECEIVE: u8 = 0x81;
 pub(super) const WRITE: u8 = 0x82;
 /// 读: read.
 pub(super) const READ: u8 = 0x83;
-/// 请: a request.
+/// 求, of 请求: a request.
 pub(super) const REQUEST: u8 = 0x84;
 /// 响, 应, 回, 答: a response.
 pub(super) const RESPONSE: u8 = 0x85;
@@ -170,7 +170,7 @@ fn code(character: char) -> u8 {
         '收' => RECEIVE,
         '写' | '寫' => WRITE,
         '读' | '讀' => READ,
-        '请' | '請' => REQUEST,
+        '求' => REQUEST,
         '响' | '響' | '应' | '應' | '回' | '答' => RESPONSE,
         '主' => MASTER,
         '从' | '從' => SLAVE,

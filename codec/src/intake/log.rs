@@ -156,6 +156,13 @@ pub(super) enum Look {
     Bare,
 }
 
+/// How many tokens of a line are a frame with a right check.
+pub(super) fn framed(codes: &[u8]) -> Option<usize> {
+    let found = scan(codes);
+    let frame = found.run.filter(|run| run.is_frame(codes))?;
+    Some(frame.tokens + found.other.map_or(0, |other| other.tokens))
+}
+
 pub(super) fn look(codes: &[u8]) -> Look {
     if export::find(codes).is_some() {
         return Look::Stamped;

@@ -256,13 +256,19 @@ impl Run {
         // A number beside the bytes is as wide as they are or parted from them as they are, but not both.
         let mut shorter = self;
         let gap = |start: usize, end: usize| end.saturating_sub(start);
-        if self.end == self.last.end && (self.last.len() != 2 || gap(self.before_last, self.last.start) > 1) {
+        if self.end == self.last.end
+            && self.last.bytes() < 4
+            && (self.last.len() != 2 || gap(self.before_last, self.last.start) > 1)
+        {
             shorter.drop_last();
             if shorter.is_frame(codes) {
                 return Some(shorter);
             }
         }
-        if self.start == self.first.start && (self.first.len() != 2 || gap(self.first.end, self.second) > 1) {
+        if self.start == self.first.start
+            && self.first.bytes() < 4
+            && (self.first.len() != 2 || gap(self.first.end, self.second) > 1)
+        {
             shorter.drop_first();
             if shorter.is_frame(codes) {
                 return Some(shorter);

@@ -235,7 +235,8 @@ impl Scan<'_> {
             self.drop_count(at);
         }
         self.skip_count = word.first() == Some(&LENGTH);
-        let marks = word.iter().filter_map(|code| mark::character(*code));
+        // In a longer word, reading and writing are what it is about.
+        let marks = word.iter().filter_map(|code| mark::character(*code)).filter(|mark| !mark.common || len <= 4);
         // Of equals the first counts.
         match marks.reduce(|first, next| if next.strength > first.strength { next } else { first }) {
             Some(mark) => self.mark(mark),
