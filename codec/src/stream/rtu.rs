@@ -33,11 +33,11 @@ pub(super) fn verdict(view: View<'_>, checks: &mut Checks) -> Verdict {
         return Verdict::Unknown { needed: lengths.longest().max(bytes.len() + 1) };
     }
     let Lengths { short, long, .. } = lengths;
-    let found = match (checks.is_right(bytes, place, short.len), checks.is_right(bytes, place, long.len)) {
-        (false, false) => return Verdict::NoFrame(1),
-        (true, false) => short,
-        (false, true) => long,
-        (true, true) => match likelier(view, short, long, checks) {
+    let found = match checks.are_right(bytes, place, short.len, long.len) {
+        [false, false] => return Verdict::NoFrame(1),
+        [true, false] => short,
+        [false, true] => long,
+        [true, true] => match likelier(view, short, long, checks) {
             Some(found) => found,
             None => return Verdict::Unknown { needed: TWO_FRAMES },
         },
