@@ -27,6 +27,14 @@ pub fn is_right(frame: &[u8]) -> bool {
     frame.len() >= 2 && crc16(frame) == 0
 }
 
+/// The same for the first `short` bytes of `frame`, which are two at least, and for all.
+#[inline]
+pub(crate) fn are_right(frame: &[u8], short: usize) -> [bool; 2] {
+    let (first, rest) = frame.split_at_checked(short).unwrap_or((frame, &[]));
+    let crc = crc16(first);
+    [crc == 0, extend(crc, rest) == 0]
+}
+
 /// LRC over the decoded unit id and PDU: the two's complement of their sum (serial line guide, clause 2.5.2.2).
 pub fn lrc(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0u8, |sum, byte| sum.wrapping_add(*byte)).wrapping_neg()
@@ -93,7 +101,7 @@ fn after_zeros(crc: u16, power: u16) -> u16 {
     let (mut sum, mut shifted) = (0, crc);
     for bit in (0..16).rev() {
         sum ^= shifted * (power >> bit & 1);
-        shifted = shifted >> 1 ^ POLYNOMIAL * (shifted & 1);
+        shifted = (shifted >> 1) ^ (POLYNOMIAL * (shifted & 1));
     }
     sum
 }
@@ -131,6 +139,20 @@ mod tests {
         #[test]
         fn any_length_agrees_with_another_implementation(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             prop_assert_eq!(crc16(&bytes), Crc::<u16>::new(&CRC_16_MODBUS).checksum(&bytes));
+        }
+
+        #[test]
+        fn two_lengths_at_once_agree_with_each(
+            mut bytes in prop::collection::vec(any::<u8>(), 4..300),
+            short in any::<prop::sample::Index>(),
+            right: [bool; 2],
+        ) {
+            let short = 2 + short.index(bytes.len() - 2);
+            for (len, right) in [short, bytes.len()].into_iter().zip(right) {
+                let crc = crc16(&bytes[..len - 2]).to_le_bytes();
+                if right { bytes[len - 2..len].copy_from_slice(&crc); }
+            }
+            prop_assert_eq!(are_right(&bytes, short), [is_right(&bytes[..short]), is_right(&bytes)]);
         }
 
         #[test]

@@ -28,6 +28,7 @@ pub mod dissect;
 pub mod intake;
 pub mod json;
 pub mod line;
+pub mod outline;
 pub mod pdu;
 pub mod profile;
 pub mod rtu;

@@ -122,6 +122,7 @@ impl Splitter {
         self.bytes.drain(..given.min(self.bytes.len()));
         if core::mem::take(&mut self.finished) {
             self.cutter.clean |= self.bytes.is_empty();
+            self.cutter.checks.bare = 0..0;
         }
         self.bytes.extend_from_slice(chunk);
     }

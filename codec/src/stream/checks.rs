@@ -5,8 +5,9 @@
 //! CRC runs over the stream once, and the check of every part of it follows from the CRC before and behind the part.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
-use crate::check::{between, is_right, powers, step};
+use crate::check::{are_right, between, is_right, powers, step};
 use crate::rtu::MAX_ADU_LEN;
 
 /// Steps allowed for each byte of the stream, and at its start.
@@ -22,6 +23,8 @@ pub(super) struct Checks {
     /// Steps made byte by byte.
     spent: u64,
     run: Run,
+    /// Places at which no frame begins whose function tells its length.
+    pub(super) bare: Range<u64>,
     #[cfg(test)]
     pub(super) work: u64,
 }
@@ -42,24 +45,34 @@ impl Checks {
     #[inline]
     pub(super) fn is_right(&mut self, bytes: &[u8], place: u64, len: usize) -> bool {
         let Some(frame) = bytes.get(..len) else { return false };
-        let spent = self.spent.saturating_add(len as u64);
-        if len > SHORT && spent / STEPS_PER_BYTE > place.saturating_add(STEPS_AT_START) {
-            return self.is_right_by_run(frame, place);
-        }
-        self.spent = spent;
-        self.count(len);
-        is_right(frame)
+        if self.allows(place, len) { is_right(frame) } else { self.is_right_by_run(frame, place) }
     }
 
-    /// The lengths from `first` on, each `stride` more, at which `bytes` (256 at most) has a right check.
-    pub(super) fn right_lengths(&mut self, bytes: &[u8], first: usize, stride: usize) -> impl Iterator<Item = usize> {
-        self.count(bytes.len());
-        let crcs = bytes.iter().scan(0xFFFF, |crc, byte| {
-            *crc = step(*crc, *byte);
-            Some(*crc)
-        });
-        let ends = crcs.zip(1usize..).skip(first.saturating_sub(1)).step_by(stride);
-        ends.filter(|(crc, _)| *crc == 0).map(|(_, len)| len)
+    /// The same for two lengths, the shorter one first; a length of zero is none.
+    #[inline]
+    pub(super) fn are_right(&mut self, bytes: &[u8], place: u64, short: usize, long: usize) -> [bool; 2] {
+        match bytes.get(..long) {
+            Some(frame) if long > 0 && self.allows(place, long) => are_right(frame, short),
+            _ => [short, long].map(|len| self.is_right(bytes, place, len)),
+        }
+    }
+
+    /// Whether bytes may be checked one by one.
+    #[inline]
+    fn allows(&mut self, place: u64, len: usize) -> bool {
+        let spent = self.spent.saturating_add(len as u64);
+        let allowed = len <= SHORT || spent / STEPS_PER_BYTE <= place.saturating_add(STEPS_AT_START);
+        if allowed {
+            self.spent = spent;
+            self.count(len);
+        }
+        allowed
+    }
+
+    /// The CRC `crc` after one more byte.
+    pub(super) fn step(&mut self, crc: u16, byte: u8) -> u16 {
+        self.count(1);
+        step(crc, byte)
     }
 
     #[cold]

@@ -33,11 +33,11 @@ pub(super) fn verdict(view: View<'_>, checks: &mut Checks) -> Verdict {
         return Verdict::Unknown { needed: lengths.longest().max(bytes.len() + 1) };
     }
     let Lengths { short, long, .. } = lengths;
-    let found = match (checks.is_right(bytes, place, short.len), checks.is_right(bytes, place, long.len)) {
-        (false, false) => return Verdict::NoFrame(1),
-        (true, false) => short,
-        (false, true) => long,
-        (true, true) => match likelier(view, short, long, checks) {
+    let found = match checks.are_right(bytes, place, short.len, long.len) {
+        [false, false] => return Verdict::NoFrame(1),
+        [true, false] => short,
+        [false, true] => long,
+        [true, true] => match likelier(view, short, long, checks) {
             Some(found) => found,
             None => return Verdict::Unknown { needed: TWO_FRAMES },
         },
@@ -63,33 +63,51 @@ fn likelier(view: View<'_>, short: Candidate, long: Candidate, checks: &mut Chec
     Some(long)
 }
 
-/// A frame whose length its function does not tell ends where its check is right: at the first such place that has a frame
-/// or the end of the stream behind it, else at the first. Only on clean ground: in noise a right check by chance would be
-/// frequent.
+/// A frame whose length its function does not tell ends where its check is right: at the place that has a frame or the end
+/// of the stream behind it, else at the first. It ends where the next frame of a known function begins, or before: a check
+/// that is right over that frame too is right by chance.
+///
+/// Only on clean ground: in noise a right check by chance would be frequent.
 #[cold]
 fn searched(view: View<'_>, search: Search, checks: &mut Checks) -> Verdict {
     let known = view.bytes.get(..MAX_ADU_LEN).unwrap_or(view.bytes);
     if known.len() < MAX_ADU_LEN && !view.finished {
         return Verdict::Unknown { needed: MAX_ADU_LEN };
     }
-    let (first, stride) = if search == Search::Words { (6, 2) } else { (MIN_ADU_LEN, 1) };
-    let ends: alloc::vec::Vec<usize> = checks.right_lengths(known, first, stride).collect();
-    let mut found = ends.first().copied();
-    for end in ends {
-        if view.finished && end == view.bytes.len() {
-            found = Some(end);
-            break;
-        }
-        match is_followed(view, end, checks) {
-            Some(true) => {
-                found = Some(end);
-                break;
+    let (mut first, mut crc) = (None, 0xFFFF);
+    for (&byte, len) in known.iter().zip(1..) {
+        crc = checks.step(crc, byte);
+        let right = crc == 0 && fits(search, len);
+        let last = view.finished && len == view.bytes.len();
+        let followed = if last {
+            false
+        } else {
+            match is_followed_once(view, len, checks) {
+                Some(followed) => followed,
+                None => return Verdict::Unknown { needed: TWO_FRAMES },
             }
-            Some(false) => {}
-            None => return Verdict::Unknown { needed: TWO_FRAMES },
+        };
+        match first {
+            _ if right && (last || followed) => return Verdict::Frame(len, Shape::Either),
+            None if followed => return Verdict::NoFrame(len),
+            None if right => first = Some(len),
+            Some(first) if followed => return Verdict::Frame(first, Shape::Either),
+            _ => {}
         }
     }
-    found.map_or(Verdict::NoFrame(1), |len| Verdict::Frame(len, Shape::Either))
+    match first {
+        Some(len) => Verdict::Frame(len, Shape::Either),
+        // Nothing begins within.
+        None => Verdict::NoFrame(known.len()),
+    }
+}
+
+/// Whether a frame of an unknown function can have this length.
+fn fits(search: Search, len: usize) -> bool {
+    match search {
+        Search::Words => len >= 6 && len.is_multiple_of(2),
+        _ => len >= MIN_ADU_LEN,
+    }
 }
 
 /// Whether a frame of a length that its function tells stands `after` so many bytes.
@@ -101,4 +119,18 @@ fn is_followed(view: View<'_>, after: usize, checks: &mut Checks) -> Option<bool
         return None;
     }
     Some([lengths.short, lengths.long].iter().any(|next| checks.is_right(bytes, place, next.len)))
+}
+
+/// The same for a search, which asks for the places one after the other: no place is looked at twice for a `false`.
+fn is_followed_once(view: View<'_>, after: usize, checks: &mut Checks) -> Option<bool> {
+    let place = view.place.saturating_add(after as u64);
+    if checks.bare.contains(&place) {
+        return Some(false);
+    }
+    let followed = is_followed(view, after, checks)?;
+    if !followed {
+        let from = if checks.bare.end == place { checks.bare.start } else { place };
+        checks.bare = from..place.saturating_add(1);
+    }
+    Some(followed)
 }

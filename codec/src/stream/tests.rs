@@ -297,6 +297,18 @@ fn a_right_check_inside_a_frame_of_an_unknown_function_is_no_end() {
 }
 
 #[test]
+fn noise_with_a_right_check_swallows_no_frame() {
+    let read = rtu(1, &[0x03, 0x00, 0x31, 0x00, 0x01]);
+    // Noise of an unknown function, and a check that is right over the two frames behind it.
+    let mut stream = [&read[..], &[0x55, 0x41, 0x07], &read, &read, &[0x55; 3]].concat();
+    let crc = crate::check::crc16(&stream[8..30]).to_le_bytes();
+    stream.splice(30.., crc);
+    assert!(is_right(&stream[8..]));
+    let request = |at| frame(at..at + 8, Shape::Request);
+    assert_eq!(pieces(Mode::Rtu, &stream), [request(0), noise(8..11), request(11), request(19), noise(27..32)]);
+}
+
+#[test]
 fn query_data_of_any_length_is_returned() {
     let test = rtu(1, &[0x08, 0, 0, 1, 2, 3, 4, 5, 6]);
     let stream = [test.clone(), test, rtu(1, &[0x08, 0, 0, 0xA5, 0x37]), rtu(1, &[0x08, 0, 0])].concat();
