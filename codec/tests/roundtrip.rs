@@ -190,6 +190,61 @@ fn an_answer_to_something_else_is_not_accepted() {
     assert!(raw.accepts(&Response::ReadHoldingRegisters { values: vec![1] }), "a known function sent raw");
 }
 
+/// Each differs from a right answer in one field.
+#[test]
+fn every_echoed_field_and_every_quantity_counts() {
+    let refuses = |request: &Request, wrong: &[Response]| {
+        assert!(request.accepts(&answer(request).unwrap()));
+        for response in wrong {
+            assert!(!request.accepts(response), "{request:?}: {response:?}");
+        }
+    };
+    let read = Request::ReadCoils { address: 1, quantity: 9 };
+    refuses(
+        &read,
+        &[
+            Response::ReadCoils { status: vec![0; 1] },
+            Response::ReadCoils { status: vec![0; 3] },
+            Response::ReadDiscreteInputs { status: vec![0; 2] },
+        ],
+    );
+    let read = Request::ReadInputRegisters { address: 1, quantity: 2 };
+    refuses(
+        &read,
+        &[Response::ReadInputRegisters { values: vec![0; 3] }, Response::ReadHoldingRegisters { values: vec![0; 2] }],
+    );
+    let coil = Request::WriteSingleCoil { address: 1, on: true };
+    let wrong = |address, on| Response::WriteSingleCoil { address, on };
+    refuses(&coil, &[wrong(2, true), wrong(1, false)]);
+    let single = Request::WriteSingleRegister { address: 1, value: 2 };
+    let wrong = |address, value| Response::WriteSingleRegister { address, value };
+    refuses(&single, &[wrong(2, 2), wrong(1, 1)]);
+    let coils = Request::WriteMultipleCoils { address: 1, coils: vec![true; 3] };
+    let wrong = |address, quantity| Response::WriteMultipleCoils { address, quantity };
+    refuses(&coils, &[wrong(2, 3), wrong(1, 2), Response::WriteMultipleRegisters { address: 1, quantity: 3 }]);
+    let registers = Request::WriteMultipleRegisters { address: 1, values: vec![7; 3] };
+    let wrong = |address, quantity| Response::WriteMultipleRegisters { address, quantity };
+    refuses(&registers, &[wrong(2, 3), wrong(1, 2)]);
+    let range = |record_length| FileRecordRange { file_number: 1, record_number: 2, record_length };
+    let file = Request::ReadFileRecord { records: vec![range(1), range(2)] };
+    let wrong = |lengths: &[usize]| Response::ReadFileRecord {
+        records: lengths.iter().map(|length| vec![0; *length]).collect(),
+    };
+    refuses(&file, &[wrong(&[2, 1]), wrong(&[1]), wrong(&[1, 2, 1])]);
+    let record = |file_number, record_number, value| FileRecord { file_number, record_number, values: vec![value] };
+    let file = Request::WriteFileRecord { records: vec![record(1, 2, 3)] };
+    let wrong = |record| Response::WriteFileRecord { records: vec![record] };
+    refuses(&file, &[wrong(record(2, 2, 3)), wrong(record(1, 3, 3)), wrong(record(1, 2, 4))]);
+    let mask = Request::MaskWriteRegister { address: 1, and_mask: 2, or_mask: 3 };
+    let wrong = |address, and_mask, or_mask| Response::MaskWriteRegister { address, and_mask, or_mask };
+    refuses(&mask, &[wrong(2, 2, 3), wrong(1, 3, 3), wrong(1, 2, 4)]);
+    let values = vec![1; 5];
+    let both = Request::ReadWriteMultipleRegisters { read_address: 1, read_quantity: 2, write_address: 3, values };
+    refuses(&both, &[Response::ReadWriteMultipleRegisters { values: vec![0; 5] }]);
+    let code = 1.into();
+    refuses(&Request::ReportServerId, &[Response::Exception { function: 0x12, code }]);
+}
+
 #[test]
 fn faults_of_ascii_frames() {
     use ascii::AduError::{BadLrc, NoColon, NoLineEnd, NotHex, OddDigits, TooLong, TooShort};

@@ -7,7 +7,8 @@ pub enum Direction {
     Request,
     /// From a device.
     Response,
-    /// It can be either: functions 05 and 06 are answered by the request itself.
+    /// It can be either: functions 05, 06, 08, 15 and 16 are answered by what looks like the request itself, some PDUs of 01,
+    /// 02 and 17 have both shapes, and unknown functions any.
     Unknown,
 }
 
