@@ -5,6 +5,7 @@
 //! checked without the device, down to the worked examples.
 
 mod known;
+mod link;
 mod load;
 mod parts;
 mod point;
@@ -17,6 +18,7 @@ use crate::line::{LineSettings, Mode};
 use crate::unit::UnitId;
 
 pub use known::{Known, PointValue};
+pub use link::{Link, Setting};
 pub use parts::{Choices, Erratum, Example, Group, Interface, Range, Texts, Timing, Wire};
 pub use point::{Code, Danger, Effect, Limits, Point, Reply, Role};
 pub use score::{Outline, most_explaining};

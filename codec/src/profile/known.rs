@@ -211,6 +211,21 @@ mod tests {
     }
 
     #[test]
+    fn a_coil_is_on_or_off() {
+        let mut lvdt = built_in("lvdt");
+        let zero = lvdt.points.iter_mut().find(|point| point.id == "zero").unwrap();
+        zero.read = vec![1];
+        let values = |function| {
+            let found = lvdt.decode_bits(function, 0x4F, &[false, true, true]);
+            found.iter().map(|found| (found.offset, found.value)).collect::<Vec<_>>()
+        };
+        assert_eq!(values(1), [(1, Ok(Value::Code(0xFF00)))]);
+        assert_eq!(values(2), []);
+        // Function 05 is no row of bits.
+        assert_eq!(values(5), []);
+    }
+
+    #[test]
     fn a_written_scale_is_unknown_until_it_is_read() {
         let mut level = built_in("level");
         level.points.iter_mut().find(|point| point.id == "decimals").unwrap().write = vec![6];

@@ -23,7 +23,7 @@ use crate::value::{Decimal, Value};
 
 pub(super) fn load(text: &str) -> Result<Profile, ProfileError> {
     let json = RawJson::parse(text).map_err(|error| place(text, syntax_fault(&error)))?;
-    profile(json.value()).map_err(|fault| place(text, fault))
+    profile(json.value()).map_err(|fault| place(text, *fault))
 }
 
 fn place(text: &str, fault: Fault) -> ProfileError {
@@ -274,6 +274,8 @@ fn texts(node: Node<'_>) -> Found<Texts> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::BUILT_IN;
     use super::*;
 
@@ -310,6 +312,15 @@ mod tests {
                 ("\"danger\": \"danger\"", "\"danger\": true", "\"danger\": \"danger\"", "text in quotes"),
                 ("\"primary\": true", "\"primary\": 1", "\"primary\"", "true or false"),
                 ("\"signal\": \"A\"", "\"signl\": \"A\"", "\"A\"", "unknown key signl; known are color, name"),
+                ("\"sets\": \"odd\"", "\"sets\": \"rtu\"", "\"id\": \"parity\"", "cannot be an effect"),
+                ("\"effects\": [\"parity\"]", "\"effects\": [\"mode\"]", "\"id\": \"parity\"", "cannot be an effect"),
+                ("\"effects\": [\"parity\"]", "\"effects\": []", "\"id\": \"parity\"", "sets what is none"),
+                (
+                    "\"role\": \"measurement\" },",
+                    "\"role\": \"measurement\", \"primary\": true },",
+                    "\"id\": \"displacement\"",
+                    "another point is primary",
+                ),
                 ("\"write\": [5]", "\"write\": [3]", "\"id\": \"zero\"", "one of 5, 6, 15, 16"),
                 ("\"write\": [5]", "\"read\": []", "\"id\": \"zero\"", "nothing reads it and nothing writes it"),
                 ("\"register\": \"0x0060\"", "\"register\": \"0x10000\"", "0x0060", "from 0 to 65535"),
@@ -393,5 +404,24 @@ mod tests {
         assert_eq!((error.line, error.column), (3, 8), "{error}");
         assert_eq!(Profile::from_json("{").unwrap_err().reason, "the text ends too early");
         assert_eq!(Profile::from_json("[]").unwrap_err().reason, "must be an object in braces");
+    }
+
+    #[test]
+    fn deep_nesting_is_a_fault_like_others() {
+        assert!(Profile::from_json(&"[".repeat(200_000)).is_err());
+        assert!(Profile::from_json(&"{\"a\":".repeat(200_000)).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn no_damage_to_a_file_panics(file in 0..3usize, at: prop::sample::Index, len in 0..40usize, new in "\\PC{0,8}") {
+            let text = BUILT_IN[file];
+            let floor = |at: usize| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap();
+            let start = floor(at.index(text.len()));
+            let damaged = [&text[..start], &new, &text[floor(start + len)..]].concat();
+            if let Err(error) = Profile::from_json(&damaged) {
+                prop_assert!(error.line <= damaged.matches('\n').count() + 1, "{error}");
+            }
+        }
     }
 }

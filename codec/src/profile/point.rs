@@ -3,7 +3,7 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::{Group, Texts};
+use super::{Group, Setting, Texts};
 use crate::pdu::Request;
 use crate::value::{Decimal, Encoding, Value};
 
@@ -76,15 +76,15 @@ pub enum Danger {
 pub enum Effect {
     /// The unit id changes to the written number.
     Unit,
-    /// The baud rate changes to the number of the written code.
+    /// The baud rate changes to the number of the written code, or to the written number.
     Baud,
-    /// The parity changes.
+    /// The parity changes to what the written code sets.
     Parity,
-    /// The number of data bits changes.
+    /// The number of data bits changes to what the written code sets.
     DataBits,
-    /// The number of stop bits changes.
+    /// The number of stop bits changes to what the written code sets.
     StopBits,
-    /// RTU or ASCII changes.
+    /// RTU or ASCII changes to what the written code sets.
     Mode,
     /// The device restarts and is deaf for [`super::Timing::startup_silence_ms`].
     Restart,
@@ -134,6 +134,8 @@ pub struct Code {
     pub number: Option<u32>,
     /// What it means.
     pub name: Option<Texts>,
+    /// The setting of the line that it stands for.
+    pub sets: Option<Setting>,
     /// What writing it can cost, where that is more than the point's.
     pub danger: Danger,
 }

@@ -1,6 +1,7 @@
 //! JSON values that are placed where they stand: texts, numbers, lists, and objects whose keys are all known.
 
 use alloc::borrow::Cow;
+use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -17,10 +18,11 @@ pub(super) struct Fault {
     pub(super) reason: String,
 }
 
-pub(super) type Found<T> = Result<T, Fault>;
+/// The fault is boxed: it is rare, and every reader carries one.
+pub(super) type Found<T> = Result<T, Box<Fault>>;
 
 pub(super) fn fault<T>(node: Node<'_>, reason: impl Into<String>) -> Found<T> {
-    Err(Fault { position: node.position(), reason: reason.into() })
+    Err(Box::new(Fault { position: node.position(), reason: reason.into() }))
 }
 
 pub(super) fn syntax_fault(error: &JsonParseError) -> Fault {
@@ -74,7 +76,12 @@ pub(super) fn items(node: Node<'_>) -> Found<Vec<Node<'_>>> {
 }
 
 pub(super) fn list<'a, T>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Found<T>) -> Found<Vec<T>> {
-    optional(node, items)?.into_iter().map(read).collect()
+    // A plain loop: collecting results costs twice the code for each type.
+    let mut all = Vec::new();
+    for item in optional(node, items)? {
+        all.push(read(item)?);
+    }
+    Ok(all)
 }
 
 pub(super) fn text(node: Node<'_>) -> Found<String> {

@@ -7,8 +7,9 @@ use super::json::{
     Found, Node, Object, boolean, choice, decimal, fault, id, integer, items, list, one_of, optional, small, text, word,
 };
 use super::texts;
+use crate::line::{DataBits, Mode, Parity, StopBits};
 use crate::profile::known::can_be_scaled;
-use crate::profile::{Code, Danger, Effect, Limits, Point, Reply, Role};
+use crate::profile::{Code, Danger, Effect, Limits, Point, Reply, Role, Setting};
 use crate::value::{Encoding, Order, Width};
 
 /// Points that refer to each other rightly.
@@ -19,6 +20,9 @@ pub(super) fn points(node: Node<'_>) -> Found<Vec<Point>> {
         let point = point(*node)?;
         if points.iter().any(|earlier| earlier.id == point.id) {
             return fault(*node, format!("another point has the id {}", point.id));
+        }
+        if point.primary && points.iter().any(|earlier| earlier.primary) {
+            return fault(*node, "another point is primary");
         }
         points.push(point);
     }
@@ -123,6 +127,13 @@ fn point(node: Node<'_>) -> Found<Point> {
     let effects = list(effects_node, effect)?;
     if let (Some(node), true) = (effects_node, write.is_empty()) {
         return fault(node, "what is never written has no effects");
+    }
+    if let (Some(node), false) = (effects_node, effects.iter().all(|effect| is_told(*effect, encoding, &codes))) {
+        return fault(node, "what the codes (number, sets) or the written number do not tell cannot be an effect");
+    }
+    if let Some(code) = codes.iter().find(|code| code.sets.is_some_and(|setting| !effects.contains(&setting.effect())))
+    {
+        return fault(node, format!("the code {} sets what is none of the effects", code.code));
     }
     let replies = |node| choice(node, &["either", "old", "new"], &[Reply::Either, Reply::Old, Reply::New]);
     Ok(Point {
@@ -253,17 +264,49 @@ fn limits(node: Node<'_>) -> Found<Limits> {
 }
 
 fn code(node: Node<'_>) -> Found<Code> {
-    let object = Object::of(node, &["code", "number", "name", "danger"])?;
+    let object = Object::of(node, &["code", "number", "name", "sets", "danger"])?;
     let code = Code {
         code: word(object.need("code")?)?,
         number: object.find("number").map(|node| integer(node, u32::MAX)).transpose()?,
         name: object.find("name").map(texts).transpose()?,
+        sets: object.find("sets").map(setting).transpose()?,
         danger: optional(object.find("danger"), danger)?,
     };
     if code.number.is_none() && code.name.is_none() {
         return fault(node, "a code has a number or a name");
     }
     Ok(code)
+}
+
+fn setting(node: Node<'_>) -> Found<Setting> {
+    choice(
+        node,
+        &["none", "odd", "even", "rtu", "ascii", "seven", "eight", "one", "two"],
+        &[
+            Setting::Parity(Parity::None),
+            Setting::Parity(Parity::Odd),
+            Setting::Parity(Parity::Even),
+            Setting::Mode(Mode::Rtu),
+            Setting::Mode(Mode::Ascii),
+            Setting::DataBits(DataBits::Seven),
+            Setting::DataBits(DataBits::Eight),
+            Setting::StopBits(StopBits::One),
+            Setting::StopBits(StopBits::Two),
+        ],
+    )
+}
+
+/// Whether what a write does to the link can be told from what is written.
+fn is_told(effect: Effect, encoding: Encoding, codes: &[Code]) -> bool {
+    let sets = |code: &Code| code.sets.is_some_and(|setting| setting.effect() == effect);
+    match effect {
+        Effect::Unit | Effect::Baud if codes.is_empty() => matches!(encoding, Encoding::Integer { .. }),
+        Effect::Unit | Effect::Baud => codes.iter().all(|code| code.number.is_some()),
+        Effect::Parity | Effect::DataBits | Effect::StopBits | Effect::Mode => {
+            !codes.is_empty() && codes.iter().all(sets)
+        }
+        Effect::Restart | Effect::Defaults | Effect::Search => true,
+    }
 }
 
 fn danger(node: Node<'_>) -> Found<Danger> {
@@ -286,4 +329,31 @@ fn effect(node: Node<'_>) -> Found<Effect> {
             Effect::Search,
         ],
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use nojson::RawJson;
+
+    use super::*;
+
+    #[test]
+    fn every_type_is_read_as_what_it_is_called() {
+        for name in TYPES {
+            let more = match name {
+                "bits" => ", \"mask\": \"0x0F00\"",
+                "text" => ", \"registers\": 3",
+                _ => "",
+            };
+            let text = format!("{{ \"type\": \"{name}\"{more} }}");
+            let json = RawJson::parse(&text).unwrap();
+            let found = encoding(json.value()).unwrap_or_else(|fault| panic!("{name}: {}", fault.reason));
+            assert_eq!(found.type_name(), name);
+            match found {
+                Encoding::Bits { mask, shift } => assert_eq!((mask, shift), (0x0F00, 8)),
+                Encoding::Text { registers, .. } => assert_eq!(registers, 3),
+                _ => assert!(matches!(found.decimals(), None | Some(0))),
+            }
+        }
+    }
 }
