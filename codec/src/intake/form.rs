@@ -84,6 +84,8 @@ struct Sight {
     /// Lines of bytes with marks of direction, time stamps or words; lines of words only.
     logged: usize,
     words: usize,
+    /// Lines of marks that may tell of bytes below them.
+    headings: usize,
     ascii: usize,
     /// Lines of nothing but numbers.
     numbers: usize,
@@ -160,13 +162,16 @@ impl Sight {
             }
         }
         self.comment = lexer.comment;
+        let look = log::look(codes);
         // Words in comments make no log.
-        if strays == 0 && (code || numbers > 0 && lexer.commented) {
+        let commented = numbers > 0 && lexer.commented && look != log::Look::Heading;
+        if strays == 0 && look != log::Look::Stamped && (code || commented) {
             self.numbers += usize::from(numbers > 0);
             return;
         }
-        match log::look(codes) {
-            log::Look::Logged => self.logged += 1,
+        match look {
+            log::Look::Stamped | log::Look::Logged => self.logged += 1,
+            log::Look::Heading if strays + numbers > 0 => self.headings += 1,
             log::Look::Words if strays > 0 => self.words += 1,
             _ => {
                 self.numbers += usize::from(numbers + strays > 0);
@@ -179,15 +184,15 @@ impl Sight {
         let only = |form| Detection { form, alternative: None };
         let rows = &self.rows;
         let dump = rows.chained > 0 || rows.first;
-        if dump && self.logged == 0 {
+        if self.logged > 0 || self.headings > 0 && self.numbers + rows.count > 0 {
+            return only(Form::Log);
+        }
+        if dump {
             return if rows.words == rows.count {
                 Detection { form: Form::WordDump, alternative: Some(Form::HexDump) }
             } else {
                 only(Form::HexDump)
             };
-        }
-        if self.logged > 0 {
-            return only(Form::Log);
         }
         if rows.count > 0 {
             self.numbers += rows.count;
@@ -196,7 +201,7 @@ impl Sight {
         if self.ascii > 0 {
             return only(if self.numbers == 0 { Form::AsciiFrames } else { Form::Hex });
         }
-        if self.numbers == 0 && self.words > 0 {
+        if self.numbers == 0 && self.words + self.headings > 0 {
             return only(Form::Log);
         }
         let decimals = &self.decimals;

@@ -23,12 +23,14 @@ pub(super) const RESPONSE: u8 = 0x85;
 pub(super) const MASTER: u8 = 0x86;
 /// 从: a slave.
 pub(super) const SLAVE: u8 = 0x87;
-/// 字, 个, 毫, 秒, 长: what stands beside a count.
+/// 字, 个, 毫, 秒: what stands behind a count.
 pub(super) const COUNT: u8 = 0x88;
+/// 长: a length comes next.
+pub(super) const LENGTH: u8 = 0x89;
 /// Any other character beyond ASCII.
-pub(super) const OTHER: u8 = 0x89;
+pub(super) const OTHER: u8 = 0x8A;
 /// A control character, or what is left of bytes that are no text.
-pub(super) const RAW: u8 = 0x8A;
+pub(super) const RAW: u8 = 0x8B;
 
 pub(super) struct Line<'a> {
     text: &'a str,
@@ -160,7 +162,8 @@ fn code(character: char) -> u8 {
         '响' | '響' | '应' | '應' | '回' | '答' => RESPONSE,
         '主' => MASTER,
         '从' | '從' => SLAVE,
-        '字' | '个' | '個' | '毫' | '秒' | '长' | '長' => COUNT,
+        '字' | '个' | '個' | '毫' | '秒' => COUNT,
+        '长' | '長' => LENGTH,
         _ => OTHER,
     }
 }

@@ -10,6 +10,8 @@ mod run;
 mod scan;
 mod time;
 
+use alloc::vec::Vec;
+
 use super::dump::Row;
 use super::hex::Span;
 use super::line::Line;
@@ -25,8 +27,12 @@ use scan::{Found, scan};
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
     heading: Option<Heading>,
+    /// Bytes that stood with the heading and are no whole frame: bare bytes go on from there, up to a whole frame.
+    part: Vec<u8>,
     /// Some line had a mark of direction and bytes: lines of words without a mark are remarks.
     marked: bool,
+    /// The log is that of a libmodbus server, which receives requests.
+    serves: bool,
 }
 
 /// What holds for lines of bare bytes.
@@ -34,72 +40,103 @@ pub(super) struct State {
 struct Heading {
     direction: Direction,
     time_us: Option<u64>,
-    /// It stood with bytes that are no whole frame, rather than alone.
-    broken: bool,
 }
 
 impl State {
     pub(super) fn line(&mut self, line: &Line, output: &mut Output) {
-        let codes = line.codes;
         let start = output.bytes.len();
-        if let Some(export) = export::find(codes) {
+        if let Some(export) = export::find(line.codes) {
             export.decode(line, output);
             output.close(start, line.number, export.direction, export.time_us);
-            return;
-        }
-        if let Some(row) = dump_row(codes) {
+        } else if let Some(row) = dump_row(line.codes) {
             row.decode(line, output);
-            let heading = self.heading;
-            let direction = heading.map_or(Direction::Unknown, |heading| heading.direction);
-            output.close(start, line.number, direction, heading.and_then(|heading| heading.time_us));
-            return;
+            let Heading { direction, time_us } = self.heading.unwrap_or(Heading::NONE);
+            output.close(start, line.number, direction, time_us);
+        } else {
+            self.scanned(line, output);
         }
-        let found = scan(codes);
+    }
+
+    fn scanned(&mut self, line: &Line, output: &mut Output) {
+        let (codes, start) = (line.codes, output.bytes.len());
+        let mut found = scan(codes);
+        if self.serves && found.is_bracketed() {
+            found.direction = match found.direction {
+                Direction::Request => Direction::Response,
+                Direction::Response => Direction::Request,
+                Direction::Unknown => Direction::Unknown,
+            };
+        }
+        self.serves |= found.indication;
+        let own = Heading { direction: found.direction, time_us: found.time_us };
         let remark = self.marked && found.words > 0 && !found.marked;
         let Some(run) = found.run.filter(|run| !remark && is_payload(codes, &found, run)) else {
-            if found.direction != Direction::Unknown || found.time_us.is_some() {
-                let (direction, time_us) = (found.direction, found.time_us);
-                self.heading = Some(Heading { direction, time_us, broken: false });
+            if is_heading(&found) {
+                self.heading = Some(own);
+                self.part.clear();
             }
             return;
         };
         decode(line, run, output);
         let bytes = output.bytes.get(start..).unwrap_or_default();
-        let whole = matches!(run.kind, Kind::Frame) || rtu::decode(bytes).is_ok();
-        let bare = found.direction == Direction::Unknown && found.time_us.is_none();
-        let (direction, time_us) = match self.heading {
-            Some(heading) if bare && found.words == 0 => (heading.direction, heading.time_us),
-            _ => (found.direction, found.time_us),
-        };
+        let bare = found.direction == Direction::Unknown && found.time_us.is_none() && found.words == 0;
+        let heading = if bare { self.heading.unwrap_or(own) } else { own };
         if !bare {
             self.marked |= found.direction != Direction::Unknown;
-            self.heading = Some(Heading { direction, time_us, broken: true }).filter(|_| !whole);
-        } else if self.heading.is_some_and(|heading| heading.broken) && whole {
-            self.heading = None;
+            self.heading = Some(own);
+            self.part.clear();
         }
-        let mode = output.close(start, line.number, direction, time_us);
-        if mode == Mode::Ascii {
-            self.heading = self.heading.filter(|heading| !heading.broken);
+        if !bare || !self.part.is_empty() {
+            self.part.extend_from_slice(bytes);
+            // Whole, or too long to become so.
+            if run.kind == Kind::Frame || rtu::decode(&self.part).is_ok() || self.part.len() >= rtu::MAX_ADU_LEN {
+                self.heading = None;
+                self.part.clear();
+            }
+        }
+        if output.close(start, line.number, heading.direction, heading.time_us) == Mode::Ascii && !self.part.is_empty()
+        {
+            self.heading = None;
+            self.part.clear();
         }
     }
 }
 
+impl Heading {
+    const NONE: Self = Self { direction: Direction::Unknown, time_us: None };
+}
+
+/// Whether a line without bytes speaks of those below it, and is no remark that has a common word of direction.
+fn is_heading(found: &Found) -> bool {
+    (found.marked && (!found.common || found.words == 0)) || found.time_us.is_some()
+}
+
 /// Whether a run is what went over the line, and no number in a remark.
 fn is_payload(codes: &[u8], found: &Found, run: &Run) -> bool {
-    if matches!(run.kind, Kind::Frame | Kind::Literal) || run.bytes >= rtu::MIN_ADU_LEN {
+    if matches!(run.kind, Kind::Frame | Kind::Literal) {
         return true;
+    }
+    if run.bytes >= rtu::MIN_ADU_LEN {
+        let told = found.marked && !found.common || found.words == 0 || found.is_bracketed();
+        return told || run.is_convincing(codes);
     }
     // A chunk of few bytes: nothing but marks may stand beside it.
     let ends = codes.iter().skip(run.end).all(|code| !code.is_ascii_alphanumeric() && *code < 0x80);
+    let stamped = found.marked || found.time_us.is_some();
+    let begins = codes.iter().position(u8::is_ascii_alphanumeric).is_none_or(|at| at >= run.start);
     let follows = found.words_since_mark == 0 && found.mark_end.is_some_and(|end| end <= run.start);
-    ends && !found.common && (found.words == 0 || follows)
+    ends && !found.common && (stamped || begins) && (found.words == 0 || follows)
 }
 
 /// What a line looks like that may be one of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
-    /// Bytes beside marks, time stamps or words.
+    /// Bytes beside a time stamp, or an export.
+    Stamped,
+    /// Bytes beside marks or words.
     Logged,
+    /// A mark of direction, and bytes below it.
+    Heading,
     /// Words without bytes.
     Words,
     /// Nothing of a log.
@@ -108,14 +145,16 @@ pub(super) enum Look {
 
 pub(super) fn look(codes: &[u8]) -> Look {
     if export::find(codes).is_some() {
-        return Look::Logged;
+        return Look::Stamped;
     }
     let found = scan(codes);
     let run = found.run.filter(|run| is_payload(codes, &found, run));
     let told = found.marked || found.time_us.is_some() || found.is_angled();
     match run {
+        Some(_) if found.time_us.is_some() => Look::Stamped,
         Some(_) if told => Look::Logged,
         Some(run) if found.words > 0 && run.bytes >= rtu::MIN_ADU_LEN => Look::Logged,
+        None if found.marked && is_heading(&found) => Look::Heading,
         None if found.words > 0 || told => Look::Words,
         _ => Look::Bare,
     }

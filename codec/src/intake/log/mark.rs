@@ -61,6 +61,8 @@ pub(super) fn character(code: u8) -> Option<Mark> {
 
 /// Words that stand beside bytes and say nothing of them.
 pub(super) fn is_filler(word: &[u8]) -> bool {
+    let digits = word.iter().rev().take_while(|code| code.is_ascii_digit()).count();
+    let word = word.get(..word.len() - digits).unwrap_or_default();
     [&b"hex"[..], b"rtu", b"ascii", b"modbus", b"data", b"bytes", b"byte", b"com", b"len", b"length", b"b", b"x", b"ms"]
         .iter()
         .any(|filler| word.eq_ignore_ascii_case(filler))

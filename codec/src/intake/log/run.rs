@@ -90,6 +90,10 @@ fn class(codes: &[u8], start: usize, end: usize) -> Option<Class> {
             _ => return None,
         }
     }
+    // A colon parts bytes only where it stands alone; else it is behind a name.
+    if class.sign == b':' && class.gap > 0 {
+        return None;
+    }
     // A byte or two of space are no columns.
     if class.gap < 3 || class.sign != 0 {
         class.gap = 0;
@@ -142,7 +146,11 @@ impl Run {
                 class(codes, end, token.start).filter(|after| class(codes, self.end, start) == Some(*after))
             }
         };
-        let Some(class) = class else { return Some(Self::new(codes, token)) };
+        // Behind a sign, a word of many digits and a short number are columns of a table.
+        let uneven = token.len() != self.last.len() && token.len().max(self.last.len()) > 3;
+        let Some(class) = class.filter(|class| class.sign == 0 || !uneven) else {
+            return Some(Self::new(codes, token));
+        };
         if self.tokens == 1 && damaged.is_none() {
             self.class = class;
         } else if class != self.class {
@@ -220,7 +228,7 @@ impl Run {
         if self.tokens == 0 {
             return None;
         }
-        if self.tokens < 4 || self.is_frame(codes) {
+        if self.tokens < 2 || self.is_frame(codes) {
             return Some(self);
         }
         // A number beside the bytes is as wide as they are or parted from them as they are, but not both.
@@ -244,6 +252,12 @@ impl Run {
             }
         }
         Some(self)
+    }
+
+    /// Whether it looks like bytes even among words: one by one, or in a long word, or with a right check.
+    pub(super) fn is_convincing(&self, codes: &[u8]) -> bool {
+        let (one_by_one, word) = (self.tokens > 3 && self.bytes == self.tokens, self.tokens == 1 && self.bytes > 5);
+        self.kind != Kind::Hex || one_by_one || word || self.is_frame(codes)
     }
 
     /// Whether its bytes are an RTU frame with a right check.

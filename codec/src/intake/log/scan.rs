@@ -1,7 +1,7 @@
 //! The search for the parts of a line.
 
 use super::super::hex::{self, Span};
-use super::super::line::{COUNT, hex_digits};
+use super::super::line::{COUNT, LENGTH, hex_digits};
 use super::super::{ascii, literal};
 use super::mark::{self, Mark};
 use super::run::{Kind, Run, Style, Token};
@@ -25,9 +25,16 @@ pub(super) struct Found {
     pub(super) words_since_mark: usize,
     /// Where the mark ends.
     pub(super) mark_end: Option<usize>,
+    /// The word is there that libmodbus has for a request that it waits for.
+    pub(super) indication: bool,
 }
 
 impl Found {
+    /// Whether only the brackets around the bytes tell their direction.
+    pub(super) fn is_bracketed(&self) -> bool {
+        !self.marked && self.direction != Direction::Unknown
+    }
+
     /// Whether the bytes stand in the angle brackets that only libmodbus prints.
     pub(super) fn is_angled(&self) -> bool {
         self.run.is_some_and(|run| run.style == Style::Angle && run.tokens > 2)
@@ -52,6 +59,7 @@ pub(super) fn scan(codes: &[u8]) -> Found {
         words_since_mark: 0,
         tag_end: None,
         skip_count: false,
+        indication: false,
     };
     while scan.at < codes.len() {
         scan.step();
@@ -82,6 +90,7 @@ struct Scan<'a> {
     tag_end: Option<usize>,
     /// A word says that a count comes next.
     skip_count: bool,
+    indication: bool,
 }
 
 impl Scan<'_> {
@@ -130,6 +139,7 @@ impl Scan<'_> {
         let after = self.codes.get(end).copied().unwrap_or(b' ');
         if joined(before) && at >= 2 && is_word(at - 2) || joined(after) && is_word(end + 1) {
             // An address, a path, a number with a fraction.
+            self.count_word(word);
             return;
         }
         if matches!(word, b"b" | b"rb") && matches!(after, b'"' | b'\'') {
@@ -182,10 +192,15 @@ impl Scan<'_> {
         if [&b"bytes"[..], b"byte", b"ms", b"us", b"s"].iter().any(|unit| word.eq_ignore_ascii_case(unit)) {
             self.drop_count(at);
         }
+        self.indication |= word == b"indication";
         self.skip_count = [&b"len"[..], b"length", b"size", b"count", b"cnt", b"seq", b"dlc"]
             .iter()
             .any(|name| word.eq_ignore_ascii_case(name));
-        // Shorter ones are spoilt bytes or say nothing.
+        self.count_word(word);
+    }
+
+    /// Counts a word that says nothing of bytes; shorter ones are spoilt bytes, or say nothing at all.
+    fn count_word(&mut self, word: &[u8]) {
         let long = word.len() > 2 && word.first().is_some_and(u8::is_ascii_alphabetic);
         if long && !mark::is_filler(word) {
             self.words += 1;
@@ -213,12 +228,12 @@ impl Scan<'_> {
         if word.first() == Some(&COUNT) {
             self.drop_count(at);
         }
-        self.skip_count = word.first() == Some(&COUNT) && word.len() == 2 && self.codes.get(self.at) != Some(&b' ');
+        self.skip_count = word.first() == Some(&LENGTH);
         let marks = word.iter().filter_map(|code| mark::character(*code));
         // Of equals the first counts.
         match marks.reduce(|first, next| if next.strength > first.strength { next } else { first }) {
             Some(mark) => self.mark(mark),
-            None if word.first() == Some(&COUNT) => {}
+            None if matches!(word.first(), Some(&(COUNT | LENGTH))) => {}
             None => {
                 self.words += 1;
                 self.words_since_mark += 1;
@@ -359,6 +374,7 @@ impl Scan<'_> {
             words: self.words,
             words_since_mark: self.words_since_mark,
             mark_end: self.mark_end,
+            indication: self.indication,
         }
     }
 }
