@@ -94,8 +94,7 @@ fn whole_bytes(digits: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosi
         && (crc16(body).to_le_bytes() == *check || crc16(body).to_be_bytes() == *check)
     {
         found.push(Diagnosis::CrcInAscii);
-    }
-    if is_whole(&bytes, around) {
+    } else if is_whole(&bytes, around) {
         found.extend(wrong_digit(digits, &bytes, around));
     } else {
         found.extend(changed_length(&bytes, around));
