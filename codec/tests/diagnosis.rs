@@ -205,6 +205,30 @@ proptest! {
     }
 
     #[test]
+    fn a_lost_or_added_character_in_ascii_is_among_the_repairs(frame in frames(), at in any::<Index>(), digit in 0usize..16, count in 1usize..3) {
+        let frame = ascii::encode(UnitId(frame[0]), &frame[1..frame.len() - 2]).unwrap();
+        let at = 1 + at.index(frame.len() - 3 - count);
+        let mut short = frame.clone();
+        short.drain(at..at + count);
+        let mut long = frame.clone();
+        for _ in 0..count {
+            long.insert(at, b"0123456789ABCDEF"[digit]);
+        }
+        // A whole byte has to be one: two digits of two bytes are not looked for.
+        let is_byte = count == 1 || at % 2 == 1;
+        for (damaged, id) in [(&short, "missing_byte"), (&long, "extra_byte")] {
+            prop_assume!(ascii::decode(damaged).is_err());
+            for found in [Some(alone(Mode::Ascii, damaged)), between(Mode::Ascii, damaged)] {
+                let found = found.unwrap();
+                prop_assert!(!is_byte || found.iter().any(|found| found.id() == id), "{:?}", found);
+                for found in found.iter().filter(|found| found.id() == id) {
+                    prop_assert!(found.repaired().is_none_or(|repaired| !is_byte || repaired == shown(&frame)));
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_frame_that_is_cut_off_tells_its_length(frame in frames(), cut in any::<Index>()) {
         prop_assume!(frame.len() >= 8);
         let len = 4 + cut.index(frame.len() - 4);
