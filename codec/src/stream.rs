@@ -6,8 +6,8 @@
 //! - RTU frames are found by the lengths that their function lets expect, for requests and for replies of every public
 //!   function, and by their check. A frame of a function that tells no length ends where its check is right; it is looked
 //!   for only at the start and right behind another frame.
-//! - A check that is right by chance in the middle of a frame is not taken for its end: of two lengths with a right check
-//!   the one is taken that leaves a frame standing after it, else the longer one.
+//! - A check that is right by chance in the middle of a frame is not taken for its end, nor one behind it: of two lengths
+//!   with a right check the shorter one is taken if it leaves a frame standing after it, else the longer one.
 //! - What fits no frame is noise, and the search goes on at the next byte.
 //! - An ASCII frame is a line from a colon to CR LF with a right LRC, the eighth bit of each character being ignored; a
 //!   colon always begins a new line. A line that is no frame is noise of its own.
