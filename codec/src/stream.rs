@@ -26,7 +26,7 @@ use core::ops::Range;
 use crate::line::Mode;
 use checks::Checks;
 
-/// Noise longer than this comes in pieces of this many bytes, so that a [`Splitter`] need not hold more.
+/// Longer noise comes in pieces of at least this many bytes and at most 255 more, so that a [`Splitter`] need not hold all.
 pub const MAX_NOISE_LEN: usize = 4096;
 
 /// A part of a stream.
@@ -98,7 +98,7 @@ pub struct Found<'a> {
 /// falls silent, [`finish`](Self::finish) says that nothing belongs to what has come.
 ///
 /// With all pieces taken, it holds no more than two frames of the greatest length (the second one where the first can end
-/// at two places) or the noise before them, [`MAX_NOISE_LEN`] bytes at most.
+/// at two places) and the noise before them, [`MAX_NOISE_LEN`] bytes at most.
 #[derive(Clone, Debug)]
 pub struct Splitter {
     bytes: Vec<u8>,
