@@ -56,7 +56,7 @@ fn extend(crc: u16, bytes: &[u8]) -> u16 {
 }
 
 /// Takes [`STRIDE`] bytes at once. The CRC is linear: each byte adds what its table holds, and the CRC so far counts as
-/// added to the first two bytes.
+/// added to the first two bytes. These come last, so that the next step waits for them alone.
 #[inline]
 fn stride(crc: u16, mut block: [u8; STRIDE]) -> u16 {
     if STRIDE == 1 {
@@ -65,7 +65,7 @@ fn stride(crc: u16, mut block: [u8; STRIDE]) -> u16 {
     for (byte, part) in block.iter_mut().zip(crc.to_le_bytes()) {
         *byte ^= part;
     }
-    TABLES.iter().rev().zip(block).fold(0, |sum, (table, byte)| sum ^ table[usize::from(byte)])
+    TABLES.iter().zip(block.into_iter().rev()).fold(0, |sum, (table, byte)| sum ^ table[usize::from(byte)])
 }
 
 const fn tables() -> [[u16; 256]; STRIDE] {
