@@ -160,13 +160,8 @@ impl Reader {
                 self.pending.push_str(line);
                 self.pending_line();
             }
-            rest = match after.strip_prefix("\r\n") {
-                Some(after) => after,
-                None => {
-                    self.after_cr = after == "\r";
-                    after.get(1..).unwrap_or_default()
-                }
-            };
+            rest = after.strip_prefix("\r\n").or_else(|| after.get(1..)).unwrap_or_default();
+            self.after_cr = after == "\r";
         }
         self.pending.push_str(rest);
     }

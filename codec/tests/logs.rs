@@ -31,24 +31,21 @@ fn parts(intake: &Intake) -> Vec<(&[u8], Direction, Option<u64>)> {
     parts.map(|(segment, end)| (&intake.bytes[segment.start..end], segment.direction, segment.time_us)).collect()
 }
 
-fn at_time_of_day(frame: usize) -> Option<u64> {
-    Some(START_US + TIMES_MS[frame] * 1000)
+fn at_time_of_day(frame: usize) -> u64 {
+    START_US + TIMES_MS[frame] * 1000
 }
 
-fn at_date(frame: usize) -> Option<u64> {
-    Some(DAY_US + START_US + TIMES_MS[frame] * 1000)
-}
-
-fn never(_: usize) -> Option<u64> {
-    None
+fn at_date(frame: usize) -> u64 {
+    DAY_US + at_time_of_day(frame)
 }
 
 #[track_caller]
-fn check(text: &str, times: impl Fn(usize) -> Option<u64>) {
+fn check(text: &str, time_us: Option<fn(usize) -> u64>) {
     let intake = read(text);
     assert_eq!(intake.form, Form::Log);
     assert_eq!(intake.faults, []);
-    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], [Request, Response][at % 2], times(at))).collect();
+    let expected: Vec<_> =
+        (0..8).map(|at| (FRAMES[at], [Request, Response][at % 2], time_us.map(|us| us(at)))).collect();
     assert_eq!(parts(&intake), expected);
 }
 
@@ -60,97 +57,97 @@ macro_rules! log {
 
 #[test]
 fn modbus_poll() {
-    check(log!("modbus_poll.txt"), never);
+    check(log!("modbus_poll.txt"), None);
 }
 
 #[test]
 fn qmodmaster() {
-    check(log!("qmodmaster.txt"), at_time_of_day);
+    check(log!("qmodmaster.txt"), Some(at_time_of_day));
 }
 
 #[test]
 fn modbus_tools() {
-    check(log!("modbus_tools.txt"), at_date);
+    check(log!("modbus_tools.txt"), Some(at_date));
 }
 
 #[test]
 fn mbpoll() {
-    check(log!("mbpoll.txt"), never);
+    check(log!("mbpoll.txt"), None);
 }
 
 #[test]
 fn a_libmodbus_server_receives_requests() {
-    check(log!("libmodbus_server.txt"), never);
+    check(log!("libmodbus_server.txt"), None);
 }
 
 #[test]
 fn pymodbus() {
-    check(log!("pymodbus.txt"), at_date);
-    check(log!("pymodbus3.txt"), at_date);
+    check(log!("pymodbus.txt"), Some(at_date));
+    check(log!("pymodbus3.txt"), Some(at_date));
 }
 
 #[test]
 fn minimalmodbus() {
-    check(log!("minimalmodbus.txt"), never);
-    check(log!("minimalmodbus_repr.txt"), never);
+    check(log!("minimalmodbus.txt"), None);
+    check(log!("minimalmodbus_repr.txt"), None);
 }
 
 #[test]
 fn sscom() {
-    check(log!("sscom.txt"), at_time_of_day);
+    check(log!("sscom.txt"), Some(at_time_of_day));
 }
 
 #[test]
 fn serial_assistants() {
-    check(log!("serial_assistant.txt"), at_date);
-    check(log!("net_assist.txt"), at_date);
-    check(log!("comtool.txt"), at_date);
+    check(log!("serial_assistant.txt"), Some(at_date));
+    check(log!("net_assist.txt"), Some(at_date));
+    check(log!("comtool.txt"), Some(at_date));
 }
 
 #[test]
 fn docklight() {
-    check(log!("docklight.txt"), at_date);
+    check(log!("docklight.txt"), Some(at_date));
 }
 
 #[test]
 fn a_serial_port_monitor() {
-    check(log!("port_monitor.txt"), |frame| Some(START_US + TIMES_MS[frame] / 1000 * 1_000_000));
+    check(log!("port_monitor.txt"), Some(|frame| START_US + TIMES_MS[frame] / 1000 * 1_000_000));
 }
 
 #[test]
 fn cutecom() {
-    check(log!("cutecom.txt"), at_time_of_day);
+    check(log!("cutecom.txt"), Some(at_time_of_day));
     // Without marks of direction.
     let text = log!("cutecom.txt").replace(">> ", "").replace("<< ", "");
     let intake = read(&text);
-    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], Unknown, at_time_of_day(at))).collect();
+    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], Unknown, Some(at_time_of_day(at)))).collect();
     assert_eq!(parts(&intake), expected);
 }
 
 #[test]
 fn columns_of_time_channel_and_bytes() {
     let intake = read(log!("columns.txt"));
-    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], Unknown, at_date(at))).collect();
+    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], Unknown, Some(at_date(at)))).collect();
     assert_eq!((intake.form, intake.fault_count, parts(&intake)), (Form::Log, 0, expected));
 }
 
 #[test]
 fn libraries() {
-    check(log!("nmodbus.txt"), never);
-    check(log!("modbus_tk.txt"), never);
-    check(log!("emodbus.txt"), never);
+    check(log!("nmodbus.txt"), None);
+    check(log!("modbus_tk.txt"), None);
+    check(log!("emodbus.txt"), None);
 }
 
 #[test]
 fn a_table() {
-    check(log!("table.csv"), at_date);
-    check(&log!("table.csv").replace(',', "\t"), at_date);
-    check(&log!("table.csv").replace(',', " | "), at_date);
+    check(log!("table.csv"), Some(at_date));
+    check(&log!("table.csv").replace(',', "\t"), Some(at_date));
+    check(&log!("table.csv").replace(',', " | "), Some(at_date));
 }
 
 #[test]
 fn the_export_of_a_dissection() {
-    check(log!("export.jsonl"), never);
+    check(log!("export.jsonl"), None);
     let text = "{\"kind\":\"frame\",\"mode\":\"ascii\",\"direction\":\"request\",\"bytes\":\"010300310001CA\"}\n\
                 { \"kind\": \"noise\", \"bytes\": \"00FF\", \"time_us\": 1500 }";
     let intake = read(text);
@@ -164,8 +161,8 @@ fn frames_of_ascii_mode_in_a_log() {
     assert!(intake.segments.iter().all(|segment| segment.mode == Mode::Ascii));
     let parts = parts(&intake);
     assert_eq!(parts.len(), 8);
-    assert_eq!(parts[0], (&b":010400020004F5\r\n"[..], Request, at_time_of_day(0)));
-    assert_eq!(parts[7], (&b":011000320001BC\r\n"[..], Response, at_time_of_day(7)));
+    assert_eq!(parts[0], (&b":010400020004F5\r\n"[..], Request, Some(at_time_of_day(0))));
+    assert_eq!(parts[7], (&b":011000320001BC\r\n"[..], Response, Some(at_time_of_day(7))));
 }
 
 /// What the dumps hold: the frames, zeros, the first frame again, a stray byte.
@@ -215,107 +212,110 @@ fn a_repetition_without_end_is_refused() {
     assert_eq!((intake.bytes.len(), intake.fault_count), (6, 1));
 }
 
-/// One line each: what unnamed tools, locales and hands make of it.
+const TIME: Option<u64> = Some(37_293_482_000);
+const DATE: Option<u64> = Some(DAY_US + 37_293_482_000);
+
+/// What unnamed tools, locales and hands make of a line; the bytes stand at `{}`.
+const VARIATIONS: &[(&str, Direction, Option<u64>)] = &[
+    ("TX: {}", Request, None),
+    ("tx {}", Request, None),
+    ("[TX] {}", Request, None),
+    ("<TX> {}", Request, None),
+    ("RX: {}", Response, None),
+    ("Rx<- {}", Response, None),
+    ("RXD {}", Response, None),
+    ("COM3 TX1: {}", Request, None),
+    ("uart_tx: {}", Request, None),
+    ("Send: {}", Request, None),
+    ("Sent 8 bytes: {}", Request, None),
+    ("Received 8 bytes: {}", Response, None),
+    ("recv[8] {}", Response, None),
+    ("Tx (8): {}", Request, None),
+    ("write len=8 {}", Request, None),
+    ("len=8 read {}", Response, None),
+    ("IRP_MJ_WRITE Length 8: {}", Request, None),
+    ("IRP_MJ_READ Length 8: {}", Response, None),
+    ("Request: {}", Request, None),
+    ("Read response: {}", Response, None),
+    ("Received request: {}", Request, None),
+    ("Sending response: {}", Response, None),
+    ("Master -> Slave: {}", Request, None),
+    ("Slave -> Master: {}", Response, None),
+    ("> {}", Request, None),
+    ("< {}", Response, None),
+    (">> {}", Request, None),
+    ("<< {}", Response, None),
+    ("--> {}", Request, None),
+    ("<-- {}", Response, None),
+    ("=> {}", Request, None),
+    ("→ {}", Request, None),
+    ("← {}", Response, None),
+    ("◇{}", Request, None),
+    ("◆{}", Response, None),
+    ("发送：{}", Request, None),
+    ("接收：{}", Response, None),
+    ("发: {}", Request, None),
+    ("收: {}", Response, None),
+    ("【发送】{}", Request, None),
+    ("【接收】８字节：{}", Response, None),
+    ("发送数据(8字节): {}", Request, None),
+    ("接收 长度8: {}", Response, None),
+    ("请求报文：{}", Request, None),
+    ("响应报文：{}", Response, None),
+    ("主站请求 {}", Request, None),
+    ("从站应答 {}", Response, None),
+    ("串口3 发送 -> {} √", Request, None),
+    ("10:21:33.482 {}", Unknown, TIME),
+    ("10:21:33:482 TX {}", Request, TIME),
+    ("10:21:33,482 TX {}", Request, TIME),
+    ("[10:21:33.482]TX:{}", Request, TIME),
+    ("【10:21:33.482】发送：{}", Request, TIME),
+    ("(10:21:33.482000) >> {}", Request, TIME),
+    ("{} 10:21:33.482 TX", Request, TIME),
+    ("1/5/2024 10:21:33.482 AM [TX] - {}", Request, TIME),
+    ("5/13/24 10:21:33.482 [TX] - {}", Request, TIME),
+    ("2024-05-01 10:21:33.482 TX {}", Request, DATE),
+    ("2024-05-01T10:21:33.482Z TX {}", Request, DATE),
+    ("2024-05-01T10:21:33.482+08:00 TX {}", Request, DATE),
+    ("2024/05/01 10:21:33.482 发送 {}", Request, DATE),
+    ("2024年5月1日 10:21:33.482 发送 {}", Request, TIME),
+    ("1714558893.482 TX {}", Request, DATE),
+    ("12.345678 TX {}", Request, Some(12_345_678)),
+    ("000012 10:21:33.482 TX {}", Request, TIME),
+    ("12: TX {}", Request, None),
+    ("12) TX {}", Request, None),
+    ("#12 TX {}", Request, None),
+    ("[12] TX {}", Request, None),
+    ("12\tTX\t{}\t8", Request, None),
+    ("12,TX,{},8,OK", Request, None),
+    ("12;TX;{};8;12 ms", Request, None),
+    ("\"12\",\"TX\",\"{}\",\"8\"", Request, None),
+    ("| 12 | TX | {} | 8 |", Request, None),
+    ("| TX |   {} | 12.5 ms", Request, None),
+    ("TX 0012 {}  8", Request, None),
+    ("TX: {} 100", Request, None),
+    ("TX: {} (8 bytes)", Request, None),
+    ("TX: {} 8 bytes", Request, None),
+    ("TX: {} len=8", Request, None),
+    ("TX: {} ok", Request, None),
+    ("TX: {} CRC OK", Request, None),
+    ("TX: {} // read the baud code", Request, None),
+    ("\u{1B}[32m10:21:33.482\u{1B}[0m \u{1B}[1;31mTX\u{1B}[0m {}", Request, TIME),
+    ("I (12345) MODBUS: TX {}", Request, None),
+    ("D/Modbus  ( 1234): TX {}", Request, None),
+    ("192.168.1.10:502 TX {}", Request, None),
+    ("/dev/ttyUSB0 TX {}", Request, None),
+    ("May  1 10:21:33 host modbusd[1234]: TX {}", Request, Some(START_US)),
+    ("INFO:root:Request {}", Request, None),
+    ("{} TX", Request, None),
+    ("ＴＸ：{}", Request, None),
+    ("TX：\u{3000}{}", Request, None),
+];
+
 #[test]
 fn odd_variations() {
     let request = "01 03 00 31 00 01 D5 C5";
-    let time = Some(37_293_482_000);
-    let date = Some(DAY_US + 37_293_482_000);
-    for (line, direction, time_us) in [
-        ("TX: {}", Request, None),
-        ("tx {}", Request, None),
-        ("[TX] {}", Request, None),
-        ("<TX> {}", Request, None),
-        ("RX: {}", Response, None),
-        ("Rx<- {}", Response, None),
-        ("RXD {}", Response, None),
-        ("COM3 TX1: {}", Request, None),
-        ("uart_tx: {}", Request, None),
-        ("Send: {}", Request, None),
-        ("Sent 8 bytes: {}", Request, None),
-        ("Received 8 bytes: {}", Response, None),
-        ("recv[8] {}", Response, None),
-        ("Tx (8): {}", Request, None),
-        ("write len=8 {}", Request, None),
-        ("len=8 read {}", Response, None),
-        ("IRP_MJ_WRITE Length 8: {}", Request, None),
-        ("IRP_MJ_READ Length 8: {}", Response, None),
-        ("Request: {}", Request, None),
-        ("Read response: {}", Response, None),
-        ("Received request: {}", Request, None),
-        ("Sending response: {}", Response, None),
-        ("Master -> Slave: {}", Request, None),
-        ("Slave -> Master: {}", Response, None),
-        ("> {}", Request, None),
-        ("< {}", Response, None),
-        (">> {}", Request, None),
-        ("<< {}", Response, None),
-        ("--> {}", Request, None),
-        ("<-- {}", Response, None),
-        ("=> {}", Request, None),
-        ("→ {}", Request, None),
-        ("← {}", Response, None),
-        ("◇{}", Request, None),
-        ("◆{}", Response, None),
-        ("发送：{}", Request, None),
-        ("接收：{}", Response, None),
-        ("发: {}", Request, None),
-        ("收: {}", Response, None),
-        ("【发送】{}", Request, None),
-        ("【接收】８字节：{}", Response, None),
-        ("发送数据(8字节): {}", Request, None),
-        ("接收 长度8: {}", Response, None),
-        ("请求报文：{}", Request, None),
-        ("响应报文：{}", Response, None),
-        ("主站请求 {}", Request, None),
-        ("从站应答 {}", Response, None),
-        ("串口3 发送 -> {} √", Request, None),
-        ("10:21:33.482 {}", Unknown, time),
-        ("10:21:33:482 TX {}", Request, time),
-        ("10:21:33,482 TX {}", Request, time),
-        ("[10:21:33.482]TX:{}", Request, time),
-        ("【10:21:33.482】发送：{}", Request, time),
-        ("(10:21:33.482000) >> {}", Request, time),
-        ("{} 10:21:33.482 TX", Request, time),
-        ("1/5/2024 10:21:33.482 AM [TX] - {}", Request, time),
-        ("5/13/24 10:21:33.482 [TX] - {}", Request, time),
-        ("2024-05-01 10:21:33.482 TX {}", Request, date),
-        ("2024-05-01T10:21:33.482Z TX {}", Request, date),
-        ("2024-05-01T10:21:33.482+08:00 TX {}", Request, date),
-        ("2024/05/01 10:21:33.482 发送 {}", Request, date),
-        ("2024年5月1日 10:21:33.482 发送 {}", Request, time),
-        ("1714558893.482 TX {}", Request, date),
-        ("12.345678 TX {}", Request, Some(12_345_678)),
-        ("000012 10:21:33.482 TX {}", Request, time),
-        ("12: TX {}", Request, None),
-        ("12) TX {}", Request, None),
-        ("#12 TX {}", Request, None),
-        ("[12] TX {}", Request, None),
-        ("12\tTX\t{}\t8", Request, None),
-        ("12,TX,{},8,OK", Request, None),
-        ("12;TX;{};8;12 ms", Request, None),
-        ("\"12\",\"TX\",\"{}\",\"8\"", Request, None),
-        ("| 12 | TX | {} | 8 |", Request, None),
-        ("| TX |   {} | 12.5 ms", Request, None),
-        ("TX 0012 {}  8", Request, None),
-        ("TX: {} 100", Request, None),
-        ("TX: {} (8 bytes)", Request, None),
-        ("TX: {} 8 bytes", Request, None),
-        ("TX: {} len=8", Request, None),
-        ("TX: {} ok", Request, None),
-        ("TX: {} CRC OK", Request, None),
-        ("TX: {} // read the baud code", Request, None),
-        ("\u{1B}[32m10:21:33.482\u{1B}[0m \u{1B}[1;31mTX\u{1B}[0m {}", Request, time),
-        ("I (12345) MODBUS: TX {}", Request, None),
-        ("D/Modbus  ( 1234): TX {}", Request, None),
-        ("192.168.1.10:502 TX {}", Request, None),
-        ("/dev/ttyUSB0 TX {}", Request, None),
-        ("May  1 10:21:33 host modbusd[1234]: TX {}", Request, Some(START_US)),
-        ("INFO:root:Request {}", Request, None),
-        ("{} TX", Request, None),
-        ("ＴＸ：{}", Request, None),
-        ("TX：\u{3000}{}", Request, None),
-    ] {
+    for (line, direction, time_us) in VARIATIONS {
         for payload in [
             request.to_owned(),
             request.to_lowercase(),
@@ -329,7 +329,7 @@ fn odd_variations() {
         ] {
             let text = line.replace("{}", &payload);
             let intake = read_as(&text, Form::Log);
-            assert_eq!((parts(&intake), intake.fault_count), (vec![(FRAMES[2], direction, time_us)], 0), "{text}");
+            assert_eq!((parts(&intake), intake.fault_count), (vec![(FRAMES[2], *direction, *time_us)], 0), "{text}");
             let text = format!("{text}\n");
             assert_eq!(read(&text).bytes, FRAMES[2], "{text}: {:?}", read(&text).form);
         }
@@ -358,6 +358,46 @@ fn remarks_hold_no_bytes() {
 }
 
 #[test]
+fn numbers_and_words_beside_bare_frames_are_no_bytes() {
+    for text in [
+        "1) {0}\n2) {1}",
+        "1. {0}\n2. {1}",
+        "1: {0}\n2: {1}",
+        "12\t{0}\n13\t{1}",
+        "000012-{0}\n000013-{1}",
+        "{0} (8 bytes)\n{1} (7 bytes)",
+        "{0}   8\n{1}   7",
+        "Please look at this:\n{0}\n{1}\nWhat is wrong?",
+        "请看：\n{0}\n{1}\n超时",
+        "地址1 读取波特率 {0}\n{1}",
+    ] {
+        let text = text.replace("{0}", "01 03 00 31 00 01 D5 C5").replace("{1}", "01 03 02 00 07 F9 86");
+        let intake = read(&text);
+        assert_eq!(intake.fault_count, 0, "{text}");
+        assert_eq!(parts(&intake), [(FRAMES[2], Unknown, None), (FRAMES[3], Unknown, None)], "{text}");
+    }
+    // Frames in words of their own are all kept.
+    let text = "TX 010300310001D5C5 0103020007F986";
+    assert_eq!(read(text).bytes, [FRAMES[2], FRAMES[3]].concat());
+}
+
+#[test]
+fn a_line_may_hold_both_halves_of_an_exchange() {
+    let frames = ["01 03 00 31 00 01 D5 C5", "01 03 02 00 07 F9 86"];
+    for (line, directions) in [
+        ("TX: {0} RX: {1}", [Request, Response]),
+        ("10:21:33.482 TX {0} | RX {1}", [Request, Response]),
+        ("发送 {0} 接收 {1}", [Request, Response]),
+        ("{0} -> {1}", [Unknown, Unknown]),
+        ("Exchange: {0} / {1}", [Unknown, Unknown]),
+    ] {
+        let intake = read(&line.replace("{0}", frames[0]).replace("{1}", frames[1]));
+        let found: Vec<_> = parts(&intake).iter().map(|(bytes, direction, _)| (*bytes, *direction)).collect();
+        assert_eq!(found, [(FRAMES[2], directions[0]), (FRAMES[3], directions[1])], "{line}");
+    }
+}
+
+#[test]
 fn a_chunk_may_be_a_byte_and_a_frame_may_be_cut() {
     let intake = read("[10:21:33.482]收←◆01\n[10:21:33.484]收←◆03 02 00\n[10:21:33.486]收←◆07 F9 86");
     let expected: [(&[u8], _, _); 3] = [
@@ -374,16 +414,21 @@ fn a_chunk_may_be_a_byte_and_a_frame_may_be_cut() {
 }
 
 fn frame() -> impl Strategy<Value = (Vec<u8>, Direction, u64)> {
-    let bytes = prop::collection::vec(any::<u8>(), 2..40).prop_map(|mut bytes| {
+    // A frame comes back whether its check is right or wrong.
+    let bytes = (prop::collection::vec(any::<u8>(), 2..40), any::<bool>()).prop_map(|(mut bytes, damaged)| {
         let check = buslens_codec::check::crc16(&bytes);
-        bytes.extend(check.to_le_bytes());
+        bytes.extend((check ^ u16::from(damaged)).to_le_bytes());
         bytes
     });
     (bytes, prop_oneof![Just(Request), Just(Response)], 0..86_400_000_000u64)
 }
 
 fn join(bytes: &[u8], before: &str, between: &str) -> String {
-    bytes.iter().map(|byte| format!("{before}{byte:02X}")).collect::<Vec<_>>().join(between)
+    spell(bytes, between, |byte| format!("{before}{byte:02X}"))
+}
+
+fn spell(bytes: &[u8], between: &str, spelling: impl Fn(&u8) -> String) -> String {
+    bytes.iter().map(spelling).collect::<Vec<_>>().join(between)
 }
 
 /// A log line in the manner of a tool.
@@ -398,14 +443,14 @@ fn render(
     let (ms, us) = (time_us / 1000 % 1000, time_us % 1_000_000);
     let at_ms = Some(time_us / 1000 * 1000);
     let plain = join(bytes, "", " ");
-    let low: Vec<_> = bytes.iter().map(|byte| format!("0x{byte:x}")).collect();
-    let escaped: String = bytes.iter().map(|byte| format!("\\x{byte:02x}")).collect();
+    let low = spell(bytes, " ", |byte| format!("0x{byte:x}"));
+    let escaped: String = spell(bytes, "", |byte| format!("\\x{byte:02x}"));
     match manner {
         0 => (format!("{}:{number:06}-{plain}", pick("Tx", "Rx")), None),
         1 => (format!("[RTU]>{} > {clock}:{ms:03} - {}", pick("Tx", "Rx"), join(bytes, "", "  ")), at_ms),
         2 => (format!("[{clock}.{ms:03}]{}{plain} □", pick("发→◇", "收←◆")), at_ms),
         3 => (
-            format!("2024-05-01 {clock},{ms:03} DEBUG t:1 {}: {}", pick("SEND", "RECV"), low.join(" ")),
+            format!("2024-05-01 {clock},{ms:03} DEBUG t:1 {}: {}", pick("SEND", "RECV"), low),
             at_ms.map(|us| us + DAY_US),
         ),
         4 => (format!("{} instrument: {plain} ({} bytes)", pick("Will write to", "Response from"), bytes.len()), None),
@@ -415,7 +460,7 @@ fn render(
             Some(time_us + DAY_US),
         ),
         7 => (format!("{clock}.{us:06} {} {}", pick(">>", "<<"), join(bytes, "", "-")), Some(*time_us)),
-        8 => (bytes.iter().map(|byte| format!("{}{byte:02X}{}", pick("[", "<"), pick("]", ">"))).collect(), None),
+        8 => (spell(bytes, "", |byte| format!("{}{byte:02X}{}", pick("[", "<"), pick("]", ">"))), None),
         _ => (format!("{}：{}", pick("发送", "接收"), join(bytes, "0x", ", ")), None),
     }
 }
@@ -424,7 +469,7 @@ proptest! {
     #[test]
     fn random_frames_come_back_from_every_manner(frames in prop::collection::vec(frame(), 1..8), manner in 0usize..10) {
         let lines: Vec<_> = frames.iter().enumerate().map(|(number, frame)| render(manner, number + 1, frame)).collect();
-        let text: String = lines.iter().map(|(line, _)| format!("{line}\n")).collect();
+        let text: String = lines.iter().flat_map(|(line, _)| [line, "\n"]).collect();
         let intake = read_as(&text, Form::Log);
         let expected: Vec<_> = frames.iter().zip(&lines).map(|((bytes, direction, _), (_, time_us))| (&bytes[..], *direction, *time_us)).collect();
         prop_assert_eq!(parts(&intake), expected, "{}", text);
@@ -437,7 +482,7 @@ proptest! {
 
     #[test]
     fn random_bytes_come_back_from_every_spelling(bytes in prop::collection::vec(any::<u8>(), 1..80), manner in 0usize..9) {
-        let escaped: String = bytes.iter().map(|byte| format!("\\x{byte:02x}")).collect();
+        let escaped: String = spell(&bytes, "", |byte| format!("\\x{byte:02x}"));
         let text = match manner {
             0 => join(&bytes, "", " "),
             1 => join(&bytes, "", ""),
@@ -446,8 +491,8 @@ proptest! {
             4 => format!("b'{escaped}'"),
             5 => format!("uint8_t frame[{}] = {{{}}};", bytes.len(), join(&bytes, "0x", ", ")),
             6 => join(&bytes, "", "\n"),
-            7 => format!("[{}]", bytes.iter().map(u8::to_string).collect::<Vec<_>>().join(", ")),
-            _ => format!("bytes([{}])", bytes.iter().map(u8::to_string).collect::<Vec<_>>().join(", ")),
+            7 => format!("[{}]", spell(&bytes, ", ", u8::to_string)),
+            _ => format!("bytes([{}])", spell(&bytes, ", ", u8::to_string)),
         };
         let form = if manner > 6 { Form::Decimal } else { Form::Hex };
         let intake = read_as(&text, form);

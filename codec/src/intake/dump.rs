@@ -236,7 +236,10 @@ impl Row {
                 digits > 0 && digits <= self.group
             };
             let after = codes.get(at + digits);
-            if !fits || digits % 2 != 0 || !after.is_none_or(|code| is_space(*code) || matches!(code, b'|' | b'-')) {
+            if !fits
+                || !digits.is_multiple_of(2)
+                || !after.is_none_or(|code| is_space(*code) || matches!(code, b'|' | b'-'))
+            {
                 break;
             }
             if self.bytes == 0 {

@@ -84,6 +84,10 @@ struct Sight {
     /// Lines of bytes with marks of direction, time stamps or words; lines of words only.
     logged: usize,
     words: usize,
+    /// Lines of a frame and a number or two beside it.
+    numbered: usize,
+    /// Lines of a program.
+    code: usize,
     /// Lines of marks that may tell of bytes below them.
     headings: usize,
     ascii: usize,
@@ -167,13 +171,17 @@ impl Sight {
         let commented = numbers > 0 && lexer.commented && look != log::Look::Heading;
         if strays == 0 && look != log::Look::Stamped && (code || commented) {
             self.numbers += usize::from(numbers > 0);
+            self.code += usize::from(code);
             return;
         }
         match look {
             log::Look::Stamped | log::Look::Logged => self.logged += 1,
             log::Look::Heading if strays + numbers > 0 => self.headings += 1,
-            log::Look::Words if strays > 0 => self.words += 1,
+            log::Look::Words if strays > 0 && strays >= numbers => self.words += 1,
             _ => {
+                // Line numbers and lengths beside frames.
+                let beside = log::framed(codes).map_or(0, |framed| numbers.saturating_sub(framed));
+                self.numbered += usize::from((1..=2).contains(&beside));
                 self.numbers += usize::from(numbers + strays > 0);
                 self.decimals.possible &= strays == 0;
             }
@@ -205,6 +213,9 @@ impl Sight {
             return only(Form::Log);
         }
         let decimals = &self.decimals;
+        if self.code == 0 && (self.words > 0 || self.numbered * 2 > self.numbers) && !decimals.is_certain() {
+            return Detection { form: Form::Log, alternative: Some(Form::Hex) };
+        }
         if decimals.is_certain() {
             return Detection { form: Form::Decimal, alternative: (decimals.three == 0).then_some(Form::Hex) };
         }

@@ -37,13 +37,12 @@ pub(super) fn each_lexeme(
     while let Some(lexeme) = lexer.next() {
         match lexeme {
             // Behind a text in a program stand lengths and the like.
-            Lexeme::Number(..) if code && quoted => {}
+            Lexeme::Number(..) | Lexeme::Stray(_) if code && quoted => {}
             Lexeme::Number(digits, hex) => number(output, digits, hex),
             Lexeme::Literal(Span { start, end }) => {
                 quoted = true;
                 literal::decode(line, start, end, output);
             }
-            Lexeme::Stray(_) if code && quoted => {}
             Lexeme::Stray(at) => output.unexpected(line, at),
         }
     }
@@ -58,7 +57,7 @@ pub(super) fn digits(line: &Line, start: usize, end: usize, output: &mut Output)
         output.bytes.push(value(*digit));
         return;
     }
-    if digits.len() % 2 != 0 {
+    if !digits.len().is_multiple_of(2) {
         output.fault(line, start, IntakeFault::OddDigits);
     }
     output.bytes.extend(digits.as_chunks().0.iter().map(|[high, low]| value(*high) << 4 | value(*low)));
@@ -80,6 +79,10 @@ pub(super) struct Span {
     pub(super) start: usize,
     pub(super) end: usize,
 }
+
+/// What may stand between bytes, besides what has a meaning of its own.
+const SEPARATORS: &[u8] =
+    &[b' ', b',', b'\t', b';', b':', b'-', b'.', b'|', b'=', b'+', b'[', b']', b'{', b'}', b'(', b')', b'<', b'>', RAW];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lexeme {
@@ -116,15 +119,22 @@ impl<'a> Lexer<'a> {
                 self.comment = false;
             }
             let at = self.at;
+            // What most lines are made of.
+            if let [high, low, b' ' | b',', ..] = self.codes.get(at..)?
+                && high.is_ascii_hexdigit()
+                && low.is_ascii_hexdigit()
+            {
+                self.at += 3;
+                return Some(Lexeme::Number(Span { start: at, end: at + 2 }, false));
+            }
             let code = *self.codes.get(at)?;
             self.at += 1;
             match code {
-                b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' => match self.word(at) {
-                    Some(lexeme) => return Some(lexeme),
-                    None => continue,
-                },
-                b' ' | b'\t' | b',' | b';' | b':' | b'-' | b'.' | b'|' | b'=' | b'+' => {}
-                b'[' | b']' | b'{' | b'}' | b'(' | b')' | b'<' | b'>' | RAW => {}
+                b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' => {
+                    if let Some(lexeme) = self.word(at) {
+                        return Some(lexeme);
+                    }
+                }
                 b'"' | b'\'' | b'`' => {
                     if let Some((end, true)) = literal::quoted(self.codes, at) {
                         self.at = end + 1;
@@ -148,6 +158,7 @@ impl<'a> Lexer<'a> {
                 }
                 // A line that a program continues.
                 b'\\' if self.codes.iter().skip(at + 1).all(|code| is_space(*code)) => {}
+                _ if SEPARATORS.contains(&code) => {}
                 _ => return Some(Lexeme::Stray(at)),
             }
         }
@@ -191,12 +202,11 @@ impl<'a> Lexer<'a> {
         if matches!(word, b"b" | b"B" | b"r" | b"rb" | b"br" | b"u") && matches!(rest.get(len), Some(b'"' | b'\'')) {
             return None;
         }
-        Some(match number(word) {
-            Some((Span { start, end }, hex)) => Lexeme::Number(Span { start: at + start, end: at + end }, hex),
-            None => {
-                let stray = hex_digits(word, 0);
-                Lexeme::Stray(at + if stray == len || word.starts_with(b"0x") { 0 } else { stray })
-            }
+        Some(if let Some((Span { start, end }, hex)) = number(word) {
+            Lexeme::Number(Span { start: at + start, end: at + end }, hex)
+        } else {
+            let stray = hex_digits(word, 0);
+            Lexeme::Stray(at + if stray == len || word.starts_with(b"0x") { 0 } else { stray })
         })
     }
 }
@@ -211,9 +221,8 @@ pub(super) fn number(word: &[u8]) -> Option<(Span, bool)> {
     let end = start + hex_digits(word, start);
     let hex = match word.get(end..)? {
         _ if end == start => return None,
-        [] => start > 0,
         b"h" | b"H" if start == 0 => true,
-        b"u8" | b"_u8" | b"u" | b"U" | b"UL" | b"ul" => start > 0,
+        b"" | b"u8" | b"_u8" | b"u" | b"U" | b"UL" | b"ul" => start > 0,
         _ => return None,
     };
     Some((Span { start, end }, hex))

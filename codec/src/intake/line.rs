@@ -15,7 +15,7 @@ pub(super) const RECEIVE: u8 = 0x81;
 pub(super) const WRITE: u8 = 0x82;
 /// 读: read.
 pub(super) const READ: u8 = 0x83;
-/// 请: a request.
+/// 求, of 请求: a request.
 pub(super) const REQUEST: u8 = 0x84;
 /// 响, 应, 回, 答: a response.
 pub(super) const RESPONSE: u8 = 0x85;
@@ -62,7 +62,8 @@ impl<'a> Line<'a> {
 
     /// Whether it is no text at all, rather than text with a stray control character.
     pub(super) fn is_raw(&self) -> bool {
-        self.raw.is_some() && self.codes.iter().filter(|code| **code == RAW).count() * 8 > self.codes.len()
+        let raw = self.codes.iter().fold(0, |raw, code| raw + usize::from(*code == RAW));
+        raw > self.codes.len() / 8
     }
 
     /// The byte that a character stands for by its number, if it is at most U+00FF or the twin of such a one.
@@ -136,10 +137,21 @@ fn normalise(text: &str, room: &mut Vec<u8>) {
 fn code(character: char) -> u8 {
     match character {
         '\t' | ' '..='~' => u8::try_from(character).unwrap_or(b' '),
-        '\u{B}' | '\u{C}' | '\u{85}' | '\u{A0}' | '\u{2000}'..='\u{200D}' | '\u{2028}' | '\u{2029}' | '\u{202F}' => {
-            b' '
-        }
-        '\u{2060}' | '\u{3000}' | '\u{FEFF}' | '□' | '■' | '·' | '•' => b' ',
+        '\u{B}'
+        | '\u{C}'
+        | '\u{85}'
+        | '\u{A0}'
+        | '\u{2000}'..='\u{200D}'
+        | '\u{2028}'
+        | '\u{2029}'
+        | '\u{202F}'
+        | '\u{2060}'
+        | '\u{3000}'
+        | '\u{FEFF}'
+        | '□'
+        | '■'
+        | '·'
+        | '•' => b' ',
         '\0'..='\u{1F}' | '\u{7F}'..='\u{9F}' | '\u{FFFD}' => RAW,
         '\u{FF01}'..='\u{FF5E}' => u8::try_from(u32::from(character) - 0xFEE0).unwrap_or(OTHER),
         '、' => b',',
@@ -158,7 +170,7 @@ fn code(character: char) -> u8 {
         '收' => RECEIVE,
         '写' | '寫' => WRITE,
         '读' | '讀' => READ,
-        '请' | '請' => REQUEST,
+        '求' => REQUEST,
         '响' | '響' | '应' | '應' | '回' | '答' => RESPONSE,
         '主' => MASTER,
         '从' | '從' => SLAVE,

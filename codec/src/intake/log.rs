@@ -77,6 +77,19 @@ impl State {
             }
             return;
         };
+        if let Some(other) = found.other {
+            let (first, second) = if other.start < run.start { (other, run) } else { (run, other) };
+            // An arrow between the two says nothing of the first.
+            let direction = if found.mark_end.is_some() { own.direction } else { Direction::Unknown };
+            decode(line, first, output);
+            output.close(start, line.number, direction, own.time_us);
+            let start = output.bytes.len();
+            decode(line, second, output);
+            output.close(start, line.number, found.second, own.time_us);
+            self.heading = None;
+            self.part.clear();
+            return;
+        }
         decode(line, run, output);
         let bytes = output.bytes.get(start..).unwrap_or_default();
         let bare = found.direction == Direction::Unknown && found.time_us.is_none() && found.words == 0;
@@ -141,6 +154,13 @@ pub(super) enum Look {
     Words,
     /// Nothing of a log.
     Bare,
+}
+
+/// How many tokens of a line are a frame with a right check.
+pub(super) fn framed(codes: &[u8]) -> Option<usize> {
+    let found = scan(codes);
+    let frame = found.run.filter(|run| run.is_frame(codes))?;
+    Some(frame.tokens + found.other.map_or(0, |other| other.tokens))
 }
 
 pub(super) fn look(codes: &[u8]) -> Look {

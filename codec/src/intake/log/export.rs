@@ -46,7 +46,7 @@ impl Export {
             return hex::digits(line, start, end, output);
         }
         let digits = line.codes.get(start..end).unwrap_or_default();
-        if digits.len() % 2 != 0 {
+        if !digits.len().is_multiple_of(2) {
             output.fault(line, start, IntakeFault::OddDigits);
         }
         ascii::spell(digits, output);

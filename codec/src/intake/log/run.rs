@@ -175,6 +175,28 @@ impl Run {
         None
     }
 
+    /// Takes pairs of digits in that follow with a space before and behind each: what most logs are made of.
+    pub(super) fn push_plain(&mut self, codes: &[u8]) {
+        if self.style != Style::Bare || self.tokens < 2 || self.class != Class::default() {
+            return;
+        }
+        while let Some([b' ', high, low, b' ']) = codes.get(self.end..self.end + 4)
+            && high.is_ascii_hexdigit()
+            && low.is_ascii_hexdigit()
+        {
+            let start = self.end + 1;
+            let token = Token { start, end: start + 2, digits: Span { start, end: start + 2 }, style: Style::Bare };
+            self.before_last = self.end;
+            self.end = token.end;
+            self.last = token;
+            self.tokens += 1;
+            self.bytes += 1;
+            if self.decimal {
+                self.note_decimal(codes, token);
+            }
+        }
+    }
+
     /// Takes the last token away; nothing is left of a run of one.
     pub(super) fn drop_last(&mut self) {
         self.end = self.before_last;
@@ -218,7 +240,7 @@ impl Run {
                 return Some(decimal);
             }
         }
-        let odd = |token: Token| token.len() > 1 && token.len() % 2 != 0 && is_decimal(codes, token);
+        let odd = |token: Token| token.len() > 1 && !token.len().is_multiple_of(2) && is_decimal(codes, token);
         if odd(self.last) {
             self.drop_last();
         }
@@ -234,13 +256,19 @@ impl Run {
         // A number beside the bytes is as wide as they are or parted from them as they are, but not both.
         let mut shorter = self;
         let gap = |start: usize, end: usize| end.saturating_sub(start);
-        if self.end == self.last.end && (self.last.len() != 2 || gap(self.before_last, self.last.start) > 1) {
+        if self.end == self.last.end
+            && self.last.bytes() < 4
+            && (self.last.len() != 2 || gap(self.before_last, self.last.start) > 1)
+        {
             shorter.drop_last();
             if shorter.is_frame(codes) {
                 return Some(shorter);
             }
         }
-        if self.start == self.first.start && (self.first.len() != 2 || gap(self.first.end, self.second) > 1) {
+        if self.start == self.first.start
+            && self.first.bytes() < 4
+            && (self.first.len() != 2 || gap(self.first.end, self.second) > 1)
+        {
             shorter.drop_first();
             if shorter.is_frame(codes) {
                 return Some(shorter);
@@ -261,8 +289,9 @@ impl Run {
     }
 
     /// Whether its bytes are an RTU frame with a right check.
-    fn is_frame(&self, codes: &[u8]) -> bool {
-        if self.bytes < rtu::MIN_ADU_LEN || self.bytes > rtu::MAX_ADU_LEN {
+    pub(super) fn is_frame(&self, codes: &[u8]) -> bool {
+        let numbers = matches!(self.kind, Kind::Hex | Kind::Decimal);
+        if !numbers || self.bytes < rtu::MIN_ADU_LEN || self.bytes > rtu::MAX_ADU_LEN {
             return false;
         }
         let mut bytes = Vec::with_capacity(self.bytes);
@@ -275,7 +304,7 @@ impl Run {
             }
             match codes.get(digits.start..digits.end).unwrap_or_default() {
                 [digit] => bytes.push(hex::value(*digit)),
-                digits if digits.len() % 2 != 0 => return false,
+                digits if !digits.len().is_multiple_of(2) => return false,
                 digits => bytes
                     .extend(digits.as_chunks().0.iter().map(|[high, low]| hex::value(*high) << 4 | hex::value(*low))),
             }
@@ -301,6 +330,14 @@ impl<'a> Tokens<'a> {
 
     pub(super) fn next(&mut self) -> Option<Result<Span, usize>> {
         let rest = self.codes.get(self.at..)?;
+        // What most runs are made of.
+        if let [b' ', high, low, b' ', ..] = rest
+            && high.is_ascii_hexdigit()
+            && low.is_ascii_hexdigit()
+        {
+            self.at += 3;
+            return Some(Ok(Span { start: self.at - 2, end: self.at }));
+        }
         let gap = rest.iter().take_while(|code| !code.is_ascii_alphanumeric()).count();
         let mut start = self.at + gap;
         // The letter of `&H01`.

@@ -20,6 +20,10 @@ pub(super) struct Found {
     pub(super) time_us: Option<u64>,
     /// What may be the bytes.
     pub(super) run: Option<Run>,
+    /// Another run that is a frame with a right check: a line may hold a request and its response.
+    pub(super) other: Option<Run>,
+    /// What a mark between the two, other than a common word or an arrow, says of the second.
+    pub(super) second: Direction,
     /// Words that are neither marks nor say what bytes these are.
     pub(super) words: usize,
     pub(super) words_since_mark: usize,
@@ -52,6 +56,7 @@ pub(super) fn scan(codes: &[u8]) -> Found {
         behind: None,
         mark: None,
         late: None,
+        other: None,
         mark_end: None,
         day_us: None,
         time_us: None,
@@ -81,6 +86,7 @@ struct Scan<'a> {
     mark: Option<Mark>,
     /// A mark behind the bytes.
     late: Option<Mark>,
+    other: Option<Run>,
     mark_end: Option<usize>,
     day_us: Option<u64>,
     time_us: Option<u64>,
@@ -229,7 +235,8 @@ impl Scan<'_> {
             self.drop_count(at);
         }
         self.skip_count = word.first() == Some(&LENGTH);
-        let marks = word.iter().filter_map(|code| mark::character(*code));
+        // In a longer word, reading and writing are what it is about.
+        let marks = word.iter().filter_map(|code| mark::character(*code)).filter(|mark| !mark.common || len <= 4);
         // Of equals the first counts.
         match marks.reduce(|first, next| if next.strength > first.strength { next } else { first }) {
             Some(mark) => self.mark(mark),
@@ -280,7 +287,7 @@ impl Scan<'_> {
     fn frame(&mut self, at: usize) {
         let digits = hex_digits(self.codes, at + 1);
         let end = at + 1 + digits;
-        if digits < 6 || digits % 2 != 0 {
+        if digits < 6 || !digits.is_multiple_of(2) {
             return;
         }
         let before = at.checked_sub(1).and_then(|at| self.codes.get(at)).copied().unwrap_or(b' ');
@@ -295,15 +302,18 @@ impl Scan<'_> {
     fn token(&mut self, start: usize, end: usize, digits: Span, style: Style) {
         let token = Token { start, end, digits, style };
         let damaged = self.damaged.take();
-        let Some(mut run) = self.current.take() else {
+        let Some(run) = &mut self.current else {
             self.current = Some(Run::new(self.codes, token));
             return;
         };
         match run.push(self.codes, token, damaged) {
-            None => self.current = Some(run),
+            None => {
+                run.push_plain(self.codes);
+                self.at = self.at.max(run.end);
+            }
             Some(next) => {
+                let run = core::mem::replace(run, next);
                 self.take(run);
-                self.current = Some(next);
             }
         }
     }
@@ -314,8 +324,14 @@ impl Scan<'_> {
             return;
         }
         let best = if self.mark.is_some() { &mut self.behind } else { &mut self.before };
-        if best.as_ref().is_none_or(|best| run.is_better(self.codes, best)) {
+        let Some(best) = best else {
             *best = Some(run);
+            return;
+        };
+        let better = run.is_better(self.codes, best);
+        let worse = if better { core::mem::replace(best, run) } else { run };
+        if worse.is_frame(self.codes) {
+            self.other = Some(worse);
         }
     }
 
@@ -371,6 +387,8 @@ impl Scan<'_> {
             common: found.is_some_and(|mark| mark.common),
             time_us: self.time_us.map(|time_us| time_us.saturating_add(self.day_us.unwrap_or(0))),
             run,
+            other: self.other.filter(|other| run.is_some_and(|run| run.end <= other.start || other.end <= run.start)),
+            second: self.late.filter(|late| late.strength > 1).map_or(Direction::Unknown, |late| late.direction),
             words: self.words,
             words_since_mark: self.words_since_mark,
             mark_end: self.mark_end,

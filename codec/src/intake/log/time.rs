@@ -128,8 +128,8 @@ fn seconds(codes: &[u8], at: usize) -> Option<(Stamp, usize)> {
     let (seconds, end) = number(codes, at, 10)?;
     let (us, end) = fraction(codes, end + 1)?;
     let end = end + usize::from(codes.get(end) == Some(&b's'));
-    let whole = !is_word(codes, end) && !(codes.get(end) == Some(&b'.') && is_word(codes, end + 1));
-    whole.then_some((Stamp::Seconds(seconds * 1_000_000 + us), end))
+    let goes_on = is_word(codes, end) || (codes.get(end) == Some(&b'.') && is_word(codes, end + 1));
+    (!goes_on).then_some((Stamp::Seconds(seconds * 1_000_000 + us), end))
 }
 
 /// One to nine digits behind a point, in microseconds.
