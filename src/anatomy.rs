@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use buslens_codec::dissect::{Check, Direction, Dissection, FieldKind, dissect};
+use buslens_codec::dissect::{Check, Direction, Dissection, FieldKind, NamedValue, dissect};
 use buslens_codec::line::Mode;
 use buslens_codec::pdu::Request;
 use buslens_codec::profile::{Point, Profile};
 use buslens_codec::{ascii, rtu};
 
 use crate::device::{pick, value_text};
-use crate::format::hex_spaced;
+use crate::format::{self, hex, hex_spaced};
 use crate::text::Language;
 
 /// A frame taken apart and put into words.
@@ -63,6 +63,13 @@ pub(crate) struct Part {
     pub(crate) caption: String,
 }
 
+impl Part {
+    fn new(range: Range<usize>, kind: &'static str, name: &str, value: &str, meaning: &str, caption: &str) -> Self {
+        let [name, value, meaning, caption] = [name, value, meaning, caption].map(str::to_owned);
+        Self { range, kind, name, value, meaning, caption }
+    }
+}
+
 impl Anatomy {
     /// Takes bytes apart. `request` is what they answer, if that is known.
     pub(crate) fn of(
@@ -81,11 +88,6 @@ impl Anatomy {
             parts: found.as_ref().map_or_else(|| noise(language, bytes.len()), |found| words.parts(found)),
             facts: found.as_ref().map(|found| words.facts(found)),
         }
-    }
-
-    /// Whether the bytes have the length and the contents of a function that is known, right check or not.
-    pub(crate) fn has_known_shape(&self) -> bool {
-        self.facts.as_ref().is_some_and(|facts| facts.known_shape)
     }
 
     /// The same bytes as mere bytes.
@@ -116,14 +118,7 @@ pub(crate) fn request_in(frame: &[u8], mode: Mode) -> Option<(u8, Request)> {
 
 /// Bytes that belong to no frame, as one part.
 fn noise(language: Language, length: usize) -> Vec<Part> {
-    let whole = Part {
-        range: 0..length,
-        kind: "mark",
-        name: language.noise().to_owned(),
-        value: String::new(),
-        meaning: language.noise_meaning().to_owned(),
-        caption: language.noise().to_owned(),
-    };
+    let whole = Part::new(0..length, "mark", language.noise(), "", language.noise_meaning(), language.noise());
     if length == 0 { Vec::new() } else { vec![whole] }
 }
 
@@ -137,9 +132,8 @@ impl Words<'_> {
     fn parts(&self, found: &Dissection) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::with_capacity(found.fields.len());
         for field in &found.fields {
-            let within = |named: &&buslens_codec::dissect::NamedValue| {
-                named.range.start <= field.range.start && field.range.end <= named.range.end
-            };
+            let within =
+                |named: &&NamedValue| named.range.start <= field.range.start && field.range.end <= named.range.end;
             match found.points.iter().find(within) {
                 // The first of a value's registers brings the whole value, the others nothing.
                 Some(named) if named.range.start == field.range.start => {
@@ -154,73 +148,61 @@ impl Words<'_> {
         parts
     }
 
-    fn point_part(&self, point: &Point, named: &buslens_codec::dissect::NamedValue) -> Part {
+    fn point_part(&self, point: &Point, named: &NamedValue) -> Part {
         let t = self.language;
         let value = match named.value {
             Ok(value) => with_unit(value_text(t, point, value), &named.unit),
             Err(_) => t.value_invalid().to_owned(),
         };
-        Part {
-            range: named.range.clone(),
-            kind: if named.value.is_ok() { "data" } else { "wrong" },
-            name: pick(t, &point.name).to_owned(),
-            meaning: t.register_at(&address_text(named.register)),
-            caption: value.clone(),
-            value,
-        }
+        let kind = if named.value.is_ok() { "data" } else { "wrong" };
+        let place = t.register_at(&address_text(named.register));
+        Part::new(named.range.clone(), kind, pick(t, &point.name), &value, &place, &value)
     }
 
     fn field_part(&self, found: &Dissection, range: Range<usize>, kind: FieldKind) -> Part {
         let t = self.language;
-        let plain = |kind, name: &str, value: String, meaning: String, caption: String| Part {
-            range: range.clone(),
-            kind,
-            name: name.to_owned(),
-            value,
-            meaning,
-            caption,
+        let part = |kind, name: &str, value: &str, meaning: &str, caption: &str| {
+            Part::new(range.clone(), kind, name, value, meaning, caption)
         };
         match kind {
-            FieldKind::Start => {
-                plain("mark", t.field_start(), ":".to_owned(), String::new(), t.field_start().to_owned())
-            }
-            FieldKind::End => plain("mark", t.field_end(), "CR LF".to_owned(), String::new(), t.field_end().to_owned()),
+            FieldKind::Start => part("mark", t.field_start(), ":", "", t.field_start()),
+            FieldKind::End => part("mark", t.field_end(), "CR LF", "", t.field_end()),
             FieldKind::Unit(unit) => {
                 let meaning = match unit.0 {
                     0 => t.unit_is_broadcast(),
                     248.. => t.unit_is_reserved(),
                     _ => "",
                 };
-                plain("unit", t.unit(), unit.to_string(), meaning.to_owned(), t.unit_id(unit.0))
+                part("unit", t.unit(), &unit.to_string(), meaning, &t.unit_id(unit.0))
             }
             FieldKind::Function(code) => {
-                let name = function_name(t, code & 0x7F);
-                let meaning = if code & 0x80 == 0 { name.to_owned() } else { t.function_refused(name) };
-                let kind = if code & 0x80 == 0 { "function" } else { "wrong" };
-                let caption = if code & 0x80 == 0 { name } else { t.exception_word() };
-                plain(kind, t.function(), format!("{code:02X}"), meaning, caption.to_owned())
+                let (name, text) = (function_name(t, code & 0x7F), hex(code));
+                if code & 0x80 == 0 {
+                    part("function", t.function(), &text, name, name)
+                } else {
+                    part("wrong", t.function(), &text, &t.function_refused(name), t.exception_word())
+                }
             }
             FieldKind::Exception(code) => {
                 let name = t.exception_name(code.code());
-                plain("wrong", t.exception_code(), format!("{:02}", code.code()), name.to_owned(), name.to_owned())
+                part("wrong", t.exception_code(), &hex(code.code()), name, name)
             }
             FieldKind::Address(address) => {
-                let names = self.names_at(found.function, address, 1);
                 let text = address_text(address);
-                plain("place", t.register_address(), text.clone(), names, text)
+                part("place", t.register_address(), &text, &self.names_at(found.function, address, 1), &text)
             }
             FieldKind::Quantity(quantity) => {
-                plain("place", t.quantity(), quantity.to_string(), String::new(), ["×", &quantity.to_string()].concat())
+                let text = quantity.to_string();
+                part("place", t.quantity(), &text, "", &["×", &text].concat())
             }
-            FieldKind::ByteCount(count) => {
-                plain("place", t.byte_count(), count.to_string(), String::new(), t.bytes_many(count))
-            }
+            FieldKind::ByteCount(count) => part("place", t.byte_count(), &count.to_string(), "", &t.bytes_many(count)),
             FieldKind::Register { address, value } => {
                 let name =
                     address.map_or_else(|| t.register().to_owned(), |address| t.register_at(&address_text(address)));
-                let signed = crate::format::signed(&value.cast_signed().to_string());
+                let signed = format::signed(&value.cast_signed().to_string());
                 let meaning = if value > 0x7FFF { t.signed_is(&signed) } else { String::new() };
-                plain("data", &name, value.to_string(), meaning, value.to_string())
+                let text = value.to_string();
+                part("data", &name, &text, &meaning, &text)
             }
             FieldKind::Coil(value) => {
                 let state = match value {
@@ -228,27 +210,20 @@ impl Words<'_> {
                     0 => t.coil_off(),
                     _ => t.value_invalid(),
                 };
-                plain("data", t.coil_value(), format!("{value:04X}"), state.to_owned(), state.to_owned())
-            }
-            FieldKind::Data => {
-                let text = hex_spaced(&self.bytes[range.clone()]);
-                plain("data", t.data(), text, String::new(), t.data().to_owned())
+                part("data", t.coil_value(), &hex_spaced(&value.to_be_bytes()), state, state)
             }
             FieldKind::Check => self.check_part(range.clone(), found.check),
+            _ => part("data", t.data(), &hex_spaced(&self.bytes[range.clone()]), "", t.data()),
         }
     }
 
     fn check_part(&self, range: Range<usize>, check: Check) -> Part {
         let t = self.language;
         let (name, found, expected) = check_texts(check);
-        let ok = check.is_ok();
-        Part {
-            range,
-            kind: if ok { "check" } else { "wrong" },
-            name: name.to_owned(),
-            value: found,
-            meaning: if ok { t.check_ok().to_owned() } else { t.check_wrong_expected(&expected) },
-            caption: if ok { t.check_caption_ok(name) } else { t.check_expected(&expected) },
+        if check.is_ok() {
+            Part::new(range, "check", name, &found, t.check_ok(), &t.check_caption_ok(name))
+        } else {
+            Part::new(range, "wrong", name, &found, &t.check_wrong_expected(&expected), &t.check_expected(&expected))
         }
     }
 
@@ -257,7 +232,7 @@ impl Words<'_> {
         Facts {
             direction: found.direction,
             unit: found.unit.0,
-            function: [&format!("{:02} ", found.function), function_name(self.language, found.function)].concat(),
+            function: [&hex(found.function), " ", function_name(self.language, found.function)].concat(),
             meaning: self.meaning(found),
             check_ok: found.check.is_ok(),
             expected,
@@ -288,8 +263,14 @@ impl Words<'_> {
             return values.join(t.list_comma());
         }
         let registers = || {
-            let words: Vec<String> = found.registers.iter().map(|word| format!("{word:04X}")).collect();
-            words.join(" ")
+            let mut words = String::new();
+            for word in &found.registers {
+                if !words.is_empty() {
+                    words.push(' ');
+                }
+                format::push_hex(&mut words, &word.to_be_bytes());
+            }
+            words
         };
         match (found.direction, found.address) {
             (Direction::Response, _) if !found.registers.is_empty() => registers(),
@@ -319,7 +300,7 @@ fn byte_text(mode: Mode, byte: u8) -> String {
         (Mode::Ascii, b'\r') => "CR".to_owned(),
         (Mode::Ascii, b'\n') => "LF".to_owned(),
         (Mode::Ascii, 0x21..=0x7E) => char::from(byte).to_string(),
-        _ => crate::format::hex(byte),
+        _ => hex(byte),
     }
 }
 
@@ -339,7 +320,9 @@ fn with_unit(value: String, unit: &str) -> String {
 
 /// `0x0031`.
 fn address_text(address: u16) -> String {
-    format!("0x{address:04X}")
+    let mut text = "0x".to_owned();
+    format::push_hex(&mut text, &address.to_be_bytes());
+    text
 }
 
 /// What a function does, in the standard's words.

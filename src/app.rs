@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use leptos::prelude::*;
+use crate::reactive::*;
+use wasm_bindgen::JsCast;
 
 use crate::components::shell::{rail, top_bar};
-use crate::dom::{el, mount};
+use crate::dom::{el, mount, on_window, react};
 use crate::history::History;
 use crate::link;
 use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
@@ -22,7 +23,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Puts the page into the document.
 pub(crate) fn start() {
-    mount_to_body(build);
+    run_forever(build);
 }
 
 /// What every part of the page may look at. Signals only: free of JS handles.
@@ -47,7 +48,7 @@ pub(crate) struct App {
     pub(crate) history: StoredValue<History>,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
-    /// Ticks ten times a second while connected.
+    /// Ticks ten times a second while connected, and whenever the window changes its size.
     pub(crate) clock_turn: RwSignal<u32>,
     /// The engine's clock against the window's, in seconds; known from the first sample on.
     pub(crate) clock_lead_s: StoredValue<Option<f64>>,
@@ -198,11 +199,11 @@ fn build() {
     let app: &'static App = Box::leak(Box::new(App::new()));
     tick_while_connected(app);
     link::start(move |message| app.hear(message));
-    // Neither listener ever ends.
-    let _ = window_event_listener(leptos::ev::pagehide, |_| link::end());
+    on_window("pagehide", |_| link::end());
+    on_window("resize", |_| app.clock_turn.update(|turn| *turn = turn.wrapping_add(1)));
     // A page that comes back from the browser's memory has lost its engine.
-    let _ = window_event_listener(leptos::ev::pageshow, |event| {
-        if event.persisted() {
+    on_window("pageshow", |event| {
+        if event.unchecked_ref::<web_sys::PageTransitionEvent>().persisted() {
             let _ = window().location().reload();
         }
     });
@@ -220,7 +221,7 @@ fn build() {
 /// Drives what changes with time alone: ages and the moving strip.
 fn tick_while_connected(app: &'static App) {
     let connected = Memo::new(move |_| app.phase.get().is_connected());
-    Effect::new(move |_| {
+    react(move || {
         if connected.get() {
             let tick = move || app.clock_turn.update(|turn| *turn = turn.wrapping_add(1));
             if let Ok(timer) = set_interval_with_handle(tick, TICK) {
@@ -232,7 +233,6 @@ fn tick_while_connected(app: &'static App) {
 
 /// The address's `#` belongs to the pages, so the skip link moves the focus by hand.
 fn focus_content() {
-    use wasm_bindgen::JsCast;
     if let Some(content) = document().get_element_by_id("content").and_then(|found| found.dyn_into().ok()) {
         let content: web_sys::HtmlElement = content;
         let _ = content.focus();
@@ -243,13 +243,14 @@ fn focus_content() {
 fn follow_language() -> RwSignal<Language> {
     let remembered = storage::load("language").and_then(|tag| Language::from_tag(&tag));
     let language = RwSignal::new(remembered.unwrap_or_else(browser_language));
-    Effect::new(move |first: Option<()>| {
+    let mut first = true;
+    react(move || {
         let tag = language.get().tag();
         if let Some(root) = document().document_element() {
             let _ = root.set_attribute("lang", tag);
         }
         // Only a choice is remembered, so that a change of the browser's language still counts until then.
-        if first.is_some() {
+        if !std::mem::take(&mut first) {
             storage::save("language", tag);
         }
     });

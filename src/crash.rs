@@ -1,7 +1,6 @@
 //! The page after an internal fault: plain DOM, because nothing else can be trusted any more.
 
 use std::cell::Cell;
-use std::rc::Rc;
 
 use wasm_bindgen::prelude::*;
 use web_sys::{Document, Element};
@@ -85,15 +84,23 @@ fn on_click(button: &Element, act: impl Fn() + 'static) {
     listener.forget();
 }
 
-/// Copies the report. Where there is no clipboard, selects it for the user to copy.
+/// Copies the report. Where the clipboard is missing or refuses, selects it for the user to copy.
 fn copy_text(report: &str, shown: &Element, button: &Element, language: Language) {
     let Some(window) = web_sys::window() else { return };
     if window.is_secure_context() {
-        let told = Rc::new((button.clone(), language));
-        let copied = Closure::once(move |_: JsValue| told.0.set_text_content(Some(told.1.copied())));
-        let _ = window.navigator().clipboard().write_text(report).then(&copied);
+        let (button, shown) = (button.clone(), shown.clone());
+        let copied = Closure::once(move |_: JsValue| button.set_text_content(Some(language.copied())));
+        let refused = Closure::once(move |_: JsValue| select(&shown));
+        let _ = window.navigator().clipboard().write_text(report).then2(&copied, &refused);
         copied.forget();
-    } else if let Ok(Some(selection)) = window.get_selection() {
+        refused.forget();
+    } else {
+        select(shown);
+    }
+}
+
+fn select(shown: &Element) {
+    if let Some(selection) = web_sys::window().and_then(|window| window.get_selection().ok().flatten()) {
         let _ = selection.select_all_children(shown);
     }
 }

@@ -8,10 +8,10 @@
 
 use std::any::Any;
 
+use crate::reactive::*;
 use js_sys::Reflect;
-use leptos::prelude::*;
 use wasm_bindgen::prelude::*;
-use web_sys::{Element, Event, Node};
+use web_sys::{Element, Event, EventTarget, Node};
 
 use crate::app::App;
 use crate::text::Language;
@@ -37,6 +37,11 @@ pub(crate) fn mount(element: El) {
     if let Some(body) = document().body() {
         append(&body, &element.0);
     }
+}
+
+/// Listens to an event of the window for as long as the page lives.
+pub(crate) fn on_window(event: &str, act: impl FnMut(Event) + 'static) {
+    listen(&window(), event, Box::new(act));
 }
 
 /// Runs `act` now and whenever a signal that it has read changes.
@@ -90,37 +95,35 @@ impl El {
     }
 
     /// An attribute that is there or not, such as `disabled`.
-    pub(crate) fn flag(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
-        self.live_attr(name, move || on().then(String::new))
+    pub(crate) fn flag(self, name: &'static str, on: impl FnMut() -> bool + 'static) -> Self {
+        let mut on: Box<dyn FnMut() -> bool> = Box::new(on);
+        live_attr_boxed(&self.0, name, Box::new(move || on().then(String::new)));
+        self
     }
 
     /// An attribute that says `true` or `false`, as ARIA and the styles want it.
-    pub(crate) fn state(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
-        self.live_attr(name, move || Some(if on() { "true" } else { "false" }.to_owned()))
+    pub(crate) fn state(self, name: &'static str, on: impl FnMut() -> bool + 'static) -> Self {
+        let mut on: Box<dyn FnMut() -> bool> = Box::new(on);
+        live_attr_boxed(&self.0, name, Box::new(move || Some(if on() { "true" } else { "false" }.to_owned())));
+        self
     }
 
     /// A class that is there or not.
-    pub(crate) fn live_class(self, name: &'static str, mut on: impl FnMut() -> bool + 'static) -> Self {
-        let element = self.0.clone();
-        react(move || {
-            // A class name that is a literal is never refused.
-            let _ = element.class_list().toggle_with_force(name, on());
-        });
+    pub(crate) fn live_class(self, name: &'static str, on: impl FnMut() -> bool + 'static) -> Self {
+        live_class_boxed(&self.0, name, Box::new(on));
         self
     }
 
     /// Binds the value of a field both ways. Call it last: a list's options come first.
     pub(crate) fn bind(self, event: &str, value: RwSignal<String>) -> Self {
-        let field = self.0.clone();
-        react(move || set_value(&field, &value.get()));
+        live_value_boxed(&self.0, Box::new(move || value.get()));
         let field = self.0.clone();
         self.on(event, move |_| value.set(value_of(&field)))
     }
 
     /// Sets the value of a field whenever signals change.
-    pub(crate) fn live_value(self, mut value: impl FnMut() -> String + 'static) -> Self {
-        let field = self.0.clone();
-        react(move || set_value(&field, &value()));
+    pub(crate) fn live_value(self, value: impl FnMut() -> String + 'static) -> Self {
+        live_value_boxed(&self.0, Box::new(value));
         self
     }
 
@@ -131,8 +134,10 @@ impl El {
     }
 
     /// Listens to a click.
-    pub(crate) fn click(self, mut act: impl FnMut() + 'static) -> Self {
-        self.on("click", move |_| act())
+    pub(crate) fn click(self, act: impl FnMut() + 'static) -> Self {
+        let mut act: Box<dyn FnMut()> = Box::new(act);
+        listen(&self.0, "click", Box::new(move |_| act()));
+        self
     }
 
     /// Adds an element.
@@ -157,8 +162,10 @@ impl El {
     }
 
     /// Adds one element or none, built anew whenever signals change.
-    pub(crate) fn live_one(self, mut build: impl FnMut() -> Option<El> + 'static) -> Self {
-        self.live(move || build().into_iter().collect())
+    pub(crate) fn live_one(self, build: impl FnMut() -> Option<El> + 'static) -> Self {
+        let mut build: Box<dyn FnMut() -> Option<El>> = Box::new(build);
+        live_boxed(&self.0, Box::new(move || build().into_iter().collect()));
+        self
     }
 
     /// Calls `act` with the inner width and height in pixels, now and whenever a signal that it has read changes.
@@ -221,6 +228,19 @@ fn live_attr_boxed(element: &Element, name: &'static str, mut value: Box<dyn FnM
     }));
 }
 
+fn live_class_boxed(element: &Element, name: &'static str, mut on: Box<dyn FnMut() -> bool>) {
+    let classes = element.class_list();
+    react_boxed(Box::new(move || {
+        // A class name that is a literal is never refused.
+        let _ = classes.toggle_with_force(name, on());
+    }));
+}
+
+fn live_value_boxed(field: &Element, mut value: Box<dyn FnMut() -> String>) {
+    let field = field.clone();
+    react_boxed(Box::new(move || set_value(&field, &value())));
+}
+
 fn live_boxed(parent: &Element, mut build: Box<dyn FnMut() -> Vec<El>>) {
     let anchor = document().create_comment("");
     append(parent, &anchor);
@@ -239,7 +259,7 @@ fn live_boxed(parent: &Element, mut build: Box<dyn FnMut() -> Vec<El>>) {
     }));
 }
 
-fn listen(element: &Element, event: &str, act: Box<dyn FnMut(Event)>) {
+fn listen(element: &EventTarget, event: &str, act: Box<dyn FnMut(Event)>) {
     let listener = Closure::wrap(act);
     // Adding a listener to an element does not fail.
     let _ = element.add_event_listener_with_callback(event, listener.as_ref().unchecked_ref());

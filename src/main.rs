@@ -16,6 +16,7 @@ mod link;
 mod message;
 mod pages;
 mod ports;
+mod reactive;
 mod route;
 mod serial;
 mod settings;

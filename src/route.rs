@@ -1,7 +1,9 @@
 //! Which page is shown: the part of the address after `#`.
 
-use leptos::prelude::*;
+use crate::reactive::*;
 use wasm_bindgen::JsValue;
+
+use crate::dom::on_window;
 
 /// A page with what its address carries.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,8 +34,7 @@ impl Route {
 /// The route as a signal that follows the address.
 pub(crate) fn follow() -> RwSignal<Route> {
     let route = RwSignal::new(current());
-    let listener = window_event_listener(leptos::ev::hashchange, move |_| route.set(current()));
-    on_cleanup(move || listener.remove());
+    on_window("hashchange", move |_| route.set(current()));
     route
 }
 

@@ -1,8 +1,8 @@
 //! What the user has set for the connection: one remembered string a field, and what the strings mean.
 
+use crate::reactive::*;
 use buslens_codec::UnitId;
 use buslens_codec::line::{DataBits, LineSettings, Mode, Parity, StopBits};
-use leptos::prelude::*;
 
 use crate::device::{self, Device};
 use crate::message::{Connection, Source};

@@ -1,6 +1,8 @@
 //! What the page remembers on this computer: one string a key. Where the browser forbids it, nothing is remembered.
 
-use leptos::prelude::*;
+use crate::reactive::*;
+
+use crate::dom::react;
 
 /// The string last saved under `key`.
 pub(crate) fn load(key: &str) -> Option<String> {
@@ -17,9 +19,10 @@ pub(crate) fn save(key: &str, value: &str) {
 /// A signal that starts with what was saved, or `default`, and saves every change.
 pub(crate) fn kept(key: &'static str, default: &str) -> RwSignal<String> {
     let signal = RwSignal::new(load(key).unwrap_or_else(|| default.to_owned()));
-    Effect::new(move |first: Option<()>| {
+    let mut first = true;
+    react(move || {
         signal.with(|value| {
-            if first.is_some() {
+            if !std::mem::take(&mut first) {
                 save(key, value);
             }
         });

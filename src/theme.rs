@@ -1,7 +1,8 @@
 //! Light or dark: `data-theme` on `<html>` sets the colour scheme, the tokens in `style/` follow.
 
-use leptos::prelude::*;
+use crate::reactive::*;
 
+use crate::dom::react;
 use crate::storage;
 
 /// What the user wants.
@@ -47,7 +48,7 @@ impl Theme {
 /// The theme as a signal that the page follows and that is remembered.
 pub(crate) fn follow() -> RwSignal<Theme> {
     let theme = RwSignal::new(storage::load("theme").map_or(Theme::Auto, |name| Theme::from_name(&name)));
-    Effect::new(move |_| {
+    react(move || {
         let name = theme.get().name();
         if let Some(root) = document().document_element() {
             let _ = root.set_attribute("data-theme", name);

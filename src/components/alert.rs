@@ -1,6 +1,6 @@
 //! A fault as sentences: what happened, what to try, and buttons that really help.
 
-use leptos::prelude::*;
+use crate::reactive::*;
 
 use super::button::button;
 use super::icon::{Icon, icon};

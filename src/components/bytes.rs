@@ -1,6 +1,6 @@
 //! Bytes coloured by what they are, in groups that belong together, each with a few words below.
 
-use leptos::prelude::*;
+use crate::reactive::*;
 
 use crate::anatomy::Anatomy;
 use crate::dom::{El, el};

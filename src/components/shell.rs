@@ -1,7 +1,7 @@
 //! The rail with the pages and the top bar that always tells port, settings, state and round trip.
 
+use crate::reactive::*;
 use buslens_codec::line::Mode;
-use leptos::prelude::*;
 
 use super::button::{bare, button};
 use super::icon::{Icon, icon};

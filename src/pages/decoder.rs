@@ -2,9 +2,9 @@
 
 mod reading;
 
+use crate::reactive::*;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{IntakeError, IntakeFault};
-use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 
 use crate::anatomy::{Anatomy, Facts};
@@ -216,7 +216,7 @@ fn error_line(language: Language, error: IntakeError) -> El {
 fn error_text(language: Language, error: IntakeError) -> String {
     let what = match error.fault {
         IntakeFault::Unexpected(character) => language.unexpected_character(character),
-        IntakeFault::OddDigits => language.odd_digits().to_owned(),
+        _ => language.odd_digits().to_owned(),
     };
     language.parse_error_at(error.line, error.column, &what)
 }

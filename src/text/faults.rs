@@ -70,6 +70,7 @@ texts! {
     garbage => "Bytes come back, but they make no frame" | "收到数据，但无法组成报文";
     garbage_what(settings: &str) => "Most often baud rate or parity are wrong. Now: {settings}." | "最常见的原因是波特率或奇偶校验不对。当前：{settings}。";
     try_other_baud(factory: &str) => "Try the factory default first ({factory}), then other baud rates and parities." | "先试出厂默认值（{factory}），再试其他波特率和奇偶校验。";
+    try_any_baud => "Try other baud rates and parities." | "试试其他波特率和奇偶校验。";
     try_noise => "Noise on A and B: keep the cable away from motors and inverters, and connect the shield at one end." | "A、B 线上有干扰：线缆应远离电机和变频器，屏蔽层单端接地。";
     try_one_sensor => "Do two devices share this address? Then both answer at once." | "总线上是否有两台设备地址相同？它们会同时应答。";
 

@@ -35,10 +35,15 @@ impl<F: FarEnd> Bench<F> {
 
     /// The same with a wire that exists already.
     pub async fn with_wire(wire: Wire<F>) -> Self {
+        Self::at(&site(), wire, Look::default()).await
+    }
+
+    /// The same for a site at an address, looked at in a certain way.
+    pub async fn at(site: &str, wire: Wire<F>, look: Look) -> Self {
         let adapter = Adapter::start(CH340);
         adapter.plug(wire.device());
-        let browser = Browser::start(&adapter, Look::default()).await;
-        browser.open(&site()).await;
+        let browser = Browser::start(&adapter, look).await;
+        browser.open(site).await;
         Self { browser, wire: Some(wire), adapter }
     }
 

@@ -38,7 +38,7 @@ async fn a_text_that_makes_no_bytes_is_placed_and_kept() {
     let page = DecoderPage::open(&bench.browser).await;
     page.paste("01 03 00\n31 00 0x <b>hi</b>").await;
     let error = page.error().await;
-    assert!(error.contains("line 2"), "{error}");
+    assert!(error.contains("Line 2, column 9"), "{error}");
     let kept = "return document.querySelector('[data-test=decoder-input]').value";
     assert_eq!(bench.browser.run(kept).await, "01 03 00\n31 00 0x <b>hi</b>");
     bench.browser.reload().await;

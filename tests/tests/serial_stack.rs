@@ -11,8 +11,9 @@ const REST: Motion = Motion::Rest { micrometres: -328, decidegrees: 255 };
 
 async fn bench() -> Bench<Line<Lvdt>> {
     let bench = Bench::new(Line::new([Lvdt::new(1, REST)], 1)).await;
-    // A page of the same origin without the program.
-    bench.browser.open(&format!("{}/icon.svg", buslens_tests::testbed::site())).await;
+    // A document of the same origin without the program.
+    let icon = bench.browser.run("return document.querySelector('link[rel=icon]').href").await;
+    bench.browser.open(icon.as_str().unwrap()).await;
     bench
 }
 

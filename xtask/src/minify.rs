@@ -1,4 +1,31 @@
-//! Makes CSS smaller without understanding it: comments and needless white space go, everything else stays.
+//! Makes CSS and scripts smaller without understanding them: comments and needless white space go, everything else stays.
+
+/// Removes lines that are nothing but a comment, empty lines, and the space at both ends of the others. Texts in backticks
+/// that run over several lines stay as they are.
+pub(crate) fn js(source: &str) -> String {
+    let mut out = String::with_capacity(source.len());
+    let (mut in_comment, mut in_text) = (false, false);
+    for line in source.lines() {
+        let bare = line.trim();
+        if in_comment || (!in_text && bare.starts_with("/*")) {
+            in_comment = !bare.ends_with("*/");
+            continue;
+        }
+        if !in_text && (bare.is_empty() || bare.starts_with("//")) {
+            continue;
+        }
+        let begins_in_text = in_text;
+        in_text ^= line.matches('`').count() % 2 == 1;
+        out += match (begins_in_text, in_text) {
+            (false, false) => bare,
+            (false, true) => line.trim_start(),
+            (true, false) => line.trim_end(),
+            (true, true) => line,
+        };
+        out.push('\n');
+    }
+    out
+}
 
 /// Removes comments and white space that have no meaning. Strings and `url(...)` stay as they are.
 pub(crate) fn css(source: &str) -> String {
@@ -61,7 +88,20 @@ fn token_length(text: &str, first: char) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::css;
+    use super::{css, js};
+
+    #[test]
+    fn comments_and_indentation_of_a_script_go() {
+        let source =
+            "/**\n * @param {any} x\n */\nfunction f(x) {\n    // why\n    return x; // kept\n\n}\n/* one */\n";
+        assert_eq!(js(source), "function f(x) {\nreturn x; // kept\n}\n");
+    }
+
+    #[test]
+    fn a_text_over_several_lines_stays() {
+        let source = "  const a = `one\n    // two\n\n  three`;\n  b();\n";
+        assert_eq!(js(source), "const a = `one\n    // two\n\n  three`;\nb();\n");
+    }
 
     #[test]
     fn layout_goes() {

@@ -61,11 +61,8 @@ fn compile(toolchain: Wasm) -> Result<PathBuf> {
     println!("site: compiling");
     let mut cargo = toolchain.cargo("build");
     cargo.args(["--package", "buslens", "--bin", "buslens", "--profile", "site"]);
-    // Leptos forgets the exact types of views at each element: a tenth less to load.
-    let mut flags = vec!["--cfg=erase_components".to_owned()];
     // Panic messages name source files. Without this they would name this machine's folders.
-    flags.extend(short_paths());
-    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", short_paths().join("\u{1f}"));
     machine::run(&mut cargo)?;
     Ok(machine::root().join("target/wasm").join(TARGET).join("site/buslens.wasm"))
 }
@@ -134,7 +131,7 @@ fn assemble(bound: Bound) -> Result<Vec<File>> {
     let source = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
     let wasm = File::named("wasm", bound.wasm);
     let script = replace(&script(&bound.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
-    let script = File::named("js", script.into_bytes());
+    let script = File::named("js", minify::js(&script).into_bytes());
     let style = File::named("css", minify::css(&styles(&root.join("style"))?).into_bytes());
     let icon = File::named("svg", source("icon.svg")?.into_bytes());
     let mut page = source("index.html")?;

@@ -1,7 +1,7 @@
 //! Not connected: the card with the settings and one obvious next action, and beside it how the device is wired.
 
+use crate::reactive::*;
 use buslens_codec::line::{DataBits, Mode, StopBits};
-use leptos::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 
 use super::field::{Note, choice, field, number};

@@ -1,7 +1,7 @@
 //! The connection in numbers.
 
+use crate::reactive::*;
 use buslens_bus::Counters;
-use leptos::prelude::*;
 
 use crate::app::{App, Phase};
 use crate::dom::{El, el};

@@ -1,9 +1,9 @@
 //! The last exchange byte by byte.
 
+use crate::reactive::*;
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::pdu::Request;
-use leptos::prelude::*;
 
 use crate::anatomy::{Anatomy, request_in};
 use crate::app::App;

@@ -6,9 +6,9 @@ use crate::app::App;
 use crate::components::alert::{Fault, Remedy};
 use crate::components::shell::mode_name;
 use crate::message::{OpenFault, Trouble};
+use crate::reactive::*;
 use crate::serial::{PickFault, SerialMissing};
 use crate::text::Language;
-use leptos::prelude::*;
 
 /// What the sentences name.
 pub(super) struct Facts {
@@ -113,12 +113,15 @@ pub(super) fn trouble(language: Language, trouble: &Trouble, facts: &Facts) -> F
     let t = language;
     let told = match trouble {
         Trouble::Silence => silence(language, facts),
-        Trouble::Garbage => fault(
-            "garbage",
-            t.garbage(),
-            &t.garbage_what(&facts.settings),
-            &[&t.try_other_baud(&facts.factory), t.try_noise(), t.try_one_sensor()],
-        ),
+        Trouble::Garbage => {
+            let other = if facts.settings == facts.factory {
+                t.try_any_baud().to_owned()
+            } else {
+                t.try_other_baud(&facts.factory)
+            };
+            let tips = [other.as_str(), t.try_noise(), t.try_one_sensor()];
+            fault("garbage", t.garbage(), &t.garbage_what(&facts.settings), &tips)
+        }
         Trouble::BadCheck => fault(
             "bad-check",
             t.bad_check(),

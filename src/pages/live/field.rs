@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use leptos::prelude::*;
+use crate::reactive::*;
 
 use crate::app::App;
 use crate::dom::{El, el};
@@ -66,8 +66,12 @@ impl Note {
 pub(super) fn choice(
     id: &'static str,
     value: RwSignal<String>,
-    mut options: impl FnMut() -> Vec<(String, String)> + 'static,
+    options: impl Fn() -> Vec<(String, String)> + 'static,
 ) -> El {
+    choice_boxed(id, value, Box::new(options))
+}
+
+fn choice_boxed(id: &'static str, value: RwSignal<String>, options: Box<dyn Fn() -> Vec<(String, String)>>) -> El {
     let shown = RwSignal::new(0_u32);
     el("select")
         .attr("id", id)

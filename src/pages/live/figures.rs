@@ -1,7 +1,7 @@
 //! The readings: large figures with unit and statistics. Old ones are dimmed and say how old they are.
 
+use crate::reactive::*;
 use buslens_codec::profile::Point;
-use leptos::prelude::*;
 
 use crate::app::{App, Phase};
 use crate::components::button::icon_button;

@@ -1,7 +1,7 @@
 //! The last minute as a moving curve. Drawn anew at each tick of the page's clock, never oftener.
 
+use crate::reactive::*;
 use buslens_codec::profile::Point;
-use leptos::prelude::*;
 
 use crate::app::App;
 use crate::device;

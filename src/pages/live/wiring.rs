@@ -1,7 +1,7 @@
 //! How the device is wired, drawn from its profile, and three steps to the first reading.
 
+use crate::reactive::*;
 use buslens_codec::profile::Wire;
-use leptos::prelude::*;
 
 use crate::app::App;
 use crate::device;

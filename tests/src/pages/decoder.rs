@@ -12,7 +12,12 @@ pub struct DecoderPage<'a> {
 impl<'a> DecoderPage<'a> {
     /// Goes to the page and waits until it is drawn.
     pub async fn open(browser: &'a Browser) -> Self {
-        browser.open(&format!("{}/#/decoder", site())).await;
+        Self::open_at(browser, &site()).await
+    }
+
+    /// The same for a site at an address.
+    pub async fn open_at(browser: &'a Browser, site: &str) -> Self {
+        browser.open(&format!("{site}/#/decoder")).await;
         browser.wait_for("document.querySelector('[data-test=page-decoder]')").await;
         Self { browser }
     }
@@ -48,6 +53,6 @@ impl<'a> DecoderPage<'a> {
         self.browser.wait_for(&format!("{rows}.length === {count}")).await;
         let texts = self.browser.run(&format!("return {rows}.map((row) => row.innerText)")).await;
         let texts = texts.as_array().cloned().unwrap_or_default();
-        texts.iter().filter_map(|text| Some(text.as_str()?.to_owned())).collect()
+        texts.iter().filter_map(|text| Some(text.as_str()?.replace('\u{a0}', " "))).collect()
     }
 }

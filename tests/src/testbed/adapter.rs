@@ -10,6 +10,8 @@ use std::os::unix::net::{UnixDatagram, UnixListener, UnixStream};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use nix::sys::signal::{Signal, killpg};
@@ -33,6 +35,7 @@ pub struct Adapter {
     /// Major and minor number as umockdev writes them down for a pty.
     number: PathBuf,
     driver_port: u16,
+    busy: Arc<AtomicBool>,
     _description: tempfile::TempDir,
 }
 
@@ -76,8 +79,9 @@ impl Adapter {
         let number = fs::read_link(known.path()).expect("the map holds links");
         // Until something is plugged in there is no node.
         let _ = fs::remove_file(root.join("dev/ttyUSB0"));
-        answer_ioctls(&root.join("ioctl/dev/ttyUSB0"));
-        Self { usb, process, root, number, driver_port, _description: folder }
+        let busy = Arc::new(AtomicBool::new(false));
+        answer_ioctls(&root.join("ioctl/dev/ttyUSB0"), &busy);
+        Self { usb, process, root, number, driver_port, busy, _description: folder }
     }
 
     pub(super) fn driver_port(&self) -> u16 {
@@ -99,6 +103,11 @@ impl Adapter {
         let mapped = self.root.join("dev/.ptymap").join(name);
         let _ = fs::remove_file(&mapped);
         symlink(&self.number, mapped).expect("umockdev's folder is writable");
+    }
+
+    /// Another program holds the port, or lets it go: the system refuses to give it to the browser.
+    pub fn set_busy(&self, busy: bool) {
+        self.busy.store(busy, Ordering::Relaxed);
     }
 
     /// Pulls the adapter out.
@@ -185,32 +194,41 @@ fn subsystem_hash(text: &[u8]) -> u32 {
     hash ^ (hash >> 15)
 }
 
-/// umockdev asks a socket what to do about each ioctl on the device. The answer is always: do it on the real pty.
-fn answer_ioctls(socket: &Path) {
+/// umockdev asks a socket what to do about each ioctl on the device. The answer is to do it on the real pty, unless the
+/// port is busy.
+fn answer_ioctls(socket: &Path, busy: &Arc<AtomicBool>) {
     let folder = socket.parent().expect("a socket in a folder");
     fs::create_dir_all(folder).expect("umockdev's folder is writable");
     let _ = fs::remove_file(socket);
     let listener = UnixListener::bind(socket).expect("umockdev's folder is writable");
+    let busy = Arc::clone(busy);
     // Both threads end when the process at the other end does, or with the test.
     thread::spawn(move || {
         for stream in listener.incoming().map_while(Result::ok) {
-            thread::spawn(move || answer_ioctls_of(stream));
+            let busy = Arc::clone(&busy);
+            thread::spawn(move || answer_ioctls_of(stream, &busy));
         }
     });
 }
 
 /// Requests and answers are three native u64: kind and two arguments.
-fn answer_ioctls_of(mut stream: UnixStream) {
+fn answer_ioctls_of(mut stream: UnixStream, busy: &AtomicBool) {
+    const RESULT: u64 = 2;
     const DONE: u64 = 3;
     const RUN: u64 = 4;
+    const MINUS_ONE: u64 = u64::MAX;
+    const EBUSY: u64 = 16;
     let mut request = [0; 24];
     while stream.read_exact(&mut request).is_ok() {
         let word = |place: usize| {
             let bytes = request[8 * place..8 * place + 8].try_into().expect("eight bytes");
             u64::from_ne_bytes(bytes)
         };
-        // Kind 2 reports the result of an ioctl that was run.
-        let answer = if word(0) == 2 { [DONE, word(1), word(2)] } else { [RUN, 0, 0] };
+        let answer = match word(0) {
+            RESULT => [DONE, word(1), word(2)],
+            _ if busy.load(Ordering::Relaxed) => [DONE, MINUS_ONE, EBUSY],
+            _ => [RUN, 0, 0],
+        };
         let answer: Vec<u8> = answer.iter().flat_map(|word| word.to_ne_bytes()).collect();
         if stream.write_all(&answer).is_err() {
             return;

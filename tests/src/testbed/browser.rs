@@ -50,6 +50,9 @@ impl Browser {
             "--disable-background-networking",
             "--disable-component-update",
             "--disable-sync",
+            // The browser would fork itself for a network process, and umockdev's library may hold a lock just then, which
+            // the child never gets: it would hang before it has begun.
+            "--enable-features=NetworkServiceInProcess2",
             "--hide-scrollbars",
             "--force-color-profile=srgb",
             // A name that is this machine and yet no secure place.
@@ -130,10 +133,16 @@ impl Browser {
 
     /// Clicks the element with this `data-test` name.
     pub async fn click(&self, name: &str) {
-        self.wait_for(&format!("{} && !{0}.disabled", element(name))).await;
-        let found = self.client.find(Locator::Css(&selector(name))).await;
+        self.click_nth(name, 0).await;
+    }
+
+    /// Clicks one of several elements with this `data-test` name, counted from 0.
+    pub async fn click_nth(&self, name: &str, number: usize) {
+        let wanted = format!("document.querySelectorAll({:?})[{number}]", selector(name));
+        self.wait_for(&format!("{wanted} && !{wanted}.disabled")).await;
+        let found = self.client.find_all(Locator::Css(&selector(name))).await;
         let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
-        found.click().await.unwrap_or_else(|error| panic!("{name}: {error}"));
+        found[number].click().await.unwrap_or_else(|error| panic!("{name} {number}: {error}"));
     }
 
     /// Replaces the text of a field, as typing does.
@@ -181,8 +190,18 @@ impl Browser {
         self.devtools("Target.sendMessageToTarget", send).await;
     }
 
-    /// A picture of the whole page as PNG.
+    /// A picture of the whole page as PNG, also of what is below the window's edge.
     pub async fn picture(&self) -> Vec<u8> {
+        let size = "return [innerWidth, innerHeight, document.documentElement.scrollHeight]";
+        let size = self.run(size).await;
+        let pixels = |at: usize| size[at].as_u64().expect("a size in pixels");
+        let (width, height) = (pixels(0), pixels(1).max(pixels(2)));
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });
+        self.devtools("Emulation.setDeviceMetricsOverride", metrics).await;
+        // Transitions have run to their end, and the page has drawn what follows from its new size.
+        let settled = "document.getAnimations().forEach((animation) => { try { animation.finish(); } catch {} });
+                       requestAnimationFrame(() => requestAnimationFrame(() => done(true)));";
+        self.run_async(settled).await;
         self.client.screenshot().await.expect("a picture")
     }
 

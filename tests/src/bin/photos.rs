@@ -1,0 +1,122 @@
+//! Takes pictures of every page in its main states, in both languages and themes and at three widths, to be looked at by
+//! people: `photos <address of the site> <folder>`. A new page adds its states to [`SCENES`].
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_codec::line::Parity;
+use buslens_tests::pages::{DecoderPage, LivePage, State};
+use buslens_tests::testbed::{Bench, Look};
+
+const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
+const WIDTHS: [(u32, u32); 3] = [(1440, 900), (1024, 768), (390, 844)];
+
+/// A page in a state.
+#[derive(Clone, Copy)]
+enum Scene {
+    LiveEmpty,
+    LiveReading,
+    LiveFault,
+    DecoderEmpty,
+    DecoderFrames,
+    DecoderError,
+    Crash,
+}
+
+/// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
+const SCENES: [(&str, Scene); 7] = [
+    ("live-empty", Scene::LiveEmpty),
+    ("live-reading", Scene::LiveReading),
+    ("live-fault", Scene::LiveFault),
+    ("decoder-empty", Scene::DecoderEmpty),
+    ("decoder-frames", Scene::DecoderFrames),
+    ("decoder-error", Scene::DecoderError),
+    ("crash", Scene::Crash),
+];
+
+/// An exchange, a refusal, a reply with a wrong bit, the manual's misprint.
+const FRAMES: &str = "0C 04 00 04 00 02 31 17\n0C 04 04 80 00 01 48 0F 22\n0C 04 00 04 00 01 71 16\n0C 84 02 53 02\n\
+                      0C 04 00 04 00 02 31 17\n0C 04 04 80 00 01 49 0F 22\n01 05 00 50 FF 00 8C 2B\n01 05 00 50 FF 00 8C 2B";
+
+#[tokio::main]
+async fn main() {
+    let mut arguments = env::args_os().skip(1);
+    let (Some(site), Some(album)) = (arguments.next(), arguments.next()) else {
+        panic!("photos <address of the site> <folder>");
+    };
+    let site = site.into_string().expect("an address is text");
+    let album = PathBuf::from(album);
+    for language in LANGUAGES {
+        let look = Look { language, ..Look::default() };
+        let line = Line::new([Lvdt::new(1, Motion::Swing)], 1);
+        let bench = Bench::at(&site, buslens_tests::testbed::Wire::new(line), look).await;
+        for (name, scene) in SCENES {
+            set(&bench, &site, scene).await;
+            photograph(&bench, &album, name, look).await;
+            println!("{name} {language}");
+        }
+    }
+}
+
+/// Brings the page into a scene.
+async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
+    let browser = &bench.browser;
+    match scene {
+        Scene::LiveEmpty => {
+            LivePage::open(browser).await;
+            browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
+        }
+        Scene::LiveReading => {
+            let page = LivePage::open(browser).await;
+            browser.click("demo").await;
+            page.wait_for(State::Reading).await;
+            // Enough of a curve to be looked at.
+            page.wait_for_count("replies", 150).await;
+        }
+        Scene::LiveFault => {
+            let page = LivePage::open(browser).await;
+            browser.click("disconnect").await;
+            page.wait_for(State::Closed).await;
+            page.set_line(19_200, Parity::Even).await;
+            page.connect().await;
+            page.fault("silence").await;
+        }
+        Scene::DecoderEmpty => {
+            browser.click("disconnect").await;
+            DecoderPage::open_at(browser, site).await;
+        }
+        Scene::DecoderFrames => {
+            let page = DecoderPage::open_at(browser, site).await;
+            page.paste(FRAMES).await;
+            page.rows(8).await;
+            browser.click_nth("frame-row", 1).await;
+        }
+        Scene::DecoderError => {
+            let page = DecoderPage::open_at(browser, site).await;
+            page.paste("01 03 00 31 00 01 D5 C5\n01 03 02 00 0x xyz").await;
+            page.error().await;
+        }
+        Scene::Crash => {
+            browser.open(site).await;
+            LivePage::open(browser).await;
+            browser.click("demo").await;
+            browser.wait_for("document.querySelector('[data-test=state][data-state=reading]')").await;
+            browser.break_the_worker().await;
+            browser.wait_for("document.querySelector('[data-test=crash]')").await;
+        }
+    }
+}
+
+async fn photograph(bench: &Bench<Line<Lvdt>>, album: &Path, name: &str, look: Look) {
+    for dark in [false, true] {
+        for (width, height) in WIDTHS {
+            bench.browser.look(Look { dark, width, height, ..look }).await;
+            let picture = bench.browser.picture().await;
+            let theme = if dark { "dark" } else { "light" };
+            let file = album.join(format!("{name}-{}-{theme}-{width}.png", look.language));
+            fs::write(&file, picture).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        }
+    }
+    bench.browser.look(look).await;
+}
