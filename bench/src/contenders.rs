@@ -138,20 +138,20 @@ fn rmodbus_mixed(bytes: &[u8]) -> Tally {
     tally
 }
 
-const KNOWN: [u8; 6] = [0x01, 0x03, 0x04, 0x05, 0x06, 0x10];
+const KNOWN: [u8; 5] = [0x01, 0x03, 0x04, 0x05, 0x10];
 
+/// A request whose replies are to be read: as many values as they carry, up to the quantity.
 fn asking(function: u8) -> ModbusRequest {
     let mut request = ModbusRequest::new(1, ModbusProto::Rtu);
     let mut bytes = Vec::<u8>::new();
     match function {
-        0x01 => request.generate_get_coils(0, 1, &mut bytes),
-        0x04 => request.generate_get_inputs(0, 1, &mut bytes),
+        0x01 => request.generate_get_coils(0, 2000, &mut bytes),
+        0x04 => request.generate_get_inputs(0, 125, &mut bytes),
         0x05 => request.generate_set_coil(0, true, &mut bytes),
-        0x06 => request.generate_set_holding(0, 0, &mut bytes),
         0x10 => request.generate_set_holdings_bulk(0, &[0], &mut bytes),
-        _ => request.generate_get_holdings(0, 1, &mut bytes),
+        _ => request.generate_get_holdings(0, 125, &mut bytes),
     }
-    .expect("a request of one register");
+    .expect("a quantity within the limits");
     request
 }
 

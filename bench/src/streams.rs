@@ -7,7 +7,7 @@ use buslens_codec::{UnitId, rtu};
 pub enum Kind {
     /// Replies of function 03 with 1 to 10 registers, back to back.
     Clean,
-    /// Requests and their replies of functions 01, 03, 04, 05, 06, 10 and refusals, back to back.
+    /// Requests and their replies of functions 01, 03, 04, 05, 10 and refusals, back to back.
     Mixed,
     /// As clean, but every twentieth frame has a wrong bit and every tenth has noise before it.
     Noisy,

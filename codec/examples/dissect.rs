@@ -33,7 +33,7 @@ fn main() -> ExitCode {
 }
 
 /// The whole program: 0, or why it did not work.
-pub fn run(
+pub(crate) fn run(
     arguments: &[String],
     input: &mut impl Read,
     out: &mut impl Write,

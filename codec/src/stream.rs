@@ -6,8 +6,8 @@
 //! - RTU frames are found by the lengths that their function lets expect, for requests and for replies of every public
 //!   function, and by their check. A frame of a function that tells no length ends where its check is right; it is looked
 //!   for only at the start and right behind another frame.
-//! - A check that is right by chance in the middle of a frame is not taken for its end: of two lengths with a right check
-//!   the one is taken that leaves a frame standing after it, else the longer one.
+//! - A check that is right by chance in the middle of a frame is not taken for its end, nor one behind it: of two lengths
+//!   with a right check the shorter one is taken if it leaves a frame standing after it, else the longer one.
 //! - What fits no frame is noise, and the search goes on at the next byte.
 //! - An ASCII frame is a line from a colon to CR LF with a right LRC, the eighth bit of each character being ignored; a
 //!   colon always begins a new line. A line that is no frame is noise of its own.
@@ -26,7 +26,7 @@ use core::ops::Range;
 use crate::line::Mode;
 use checks::Checks;
 
-/// Noise longer than this comes in pieces of this many bytes, so that a [`Splitter`] need not hold more.
+/// Longer noise comes in pieces of at least this many bytes and at most 255 more, so that a [`Splitter`] need not hold all.
 pub const MAX_NOISE_LEN: usize = 4096;
 
 /// A part of a stream.
@@ -98,7 +98,7 @@ pub struct Found<'a> {
 /// falls silent, [`finish`](Self::finish) says that nothing belongs to what has come.
 ///
 /// With all pieces taken, it holds no more than two frames of the greatest length (the second one where the first can end
-/// at two places) or the noise before them, [`MAX_NOISE_LEN`] bytes at most.
+/// at two places) and the noise before them, [`MAX_NOISE_LEN`] bytes at most.
 #[derive(Clone, Debug)]
 pub struct Splitter {
     bytes: Vec<u8>,

@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::UnitId;
-use crate::diagnose::{self, Diagnosis, Surroundings, shape};
+use crate::diagnose::{self, Diagnosis, Surroundings, rtu, shape};
 use crate::dissect::{Direction, Dissection, dissect_known};
 use crate::line::Mode;
 use crate::pdu::Request;
@@ -184,6 +184,10 @@ impl Transcript {
             found.push(Diagnosis::Echo);
         }
         found.extend(shape::miscounted(&pdu, entry.direction));
+        if entry.mode == Mode::Rtu && found.is_empty() && !rtu::is_whole(frame, around) {
+            // A frame that ends with a zero has a right check without it, too.
+            found.extend(rtu::truncated(frame, around));
+        }
         if found.is_empty() {
             found.extend(self.unfitting(index, entry, unit, &pdu));
         }
@@ -277,7 +281,8 @@ impl Transcript {
         let borders: Vec<usize> = later.take_while(|start| *start < stretch.end).collect();
         let mut search = recover::Search::new(mode, stretch, &borders);
         loop {
-            let known = recover::Known { mark, request: self.pairing.expected(), units: self.pairing.units() };
+            let known =
+                recover::Known { mark, request: self.pairing.expected(&self.entries), units: self.pairing.units() };
             let Some(found) = search.next(&self.bytes, &known) else { return };
             self.admit(found, mode, mark);
         }

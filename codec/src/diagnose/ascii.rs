@@ -12,8 +12,6 @@ use crate::dissect::Direction;
 
 /// Characters of a frame around its digits: colon, CR, LF.
 const AROUND_DIGITS: usize = 3;
-/// Most digits among which a lost one is looked for; the work grows with their square.
-const MAX_SEARCHED_DIGITS: usize = 40;
 /// Fewest characters behind the colon that are taken for a frame.
 const MIN_DIGITS: usize = 4;
 
@@ -94,12 +92,16 @@ fn whole_bytes(digits: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosi
         && (crc16(body).to_le_bytes() == *check || crc16(body).to_be_bytes() == *check)
     {
         found.push(Diagnosis::CrcInAscii);
-    }
-    if is_whole(&bytes, around) {
-        found.extend(wrong_digit(digits, &bytes, around));
     } else {
-        found.extend(changed_length(&bytes, around));
-        found.extend(truncated(&bytes, around));
+        let is_whole = is_whole(&bytes, around);
+        if is_whole {
+            found.extend(wrong_digit(digits, &bytes, around));
+        }
+        // Where the standard tells no length, any length looks whole.
+        if !is_whole || !bytes.get(1..bytes.len() - 1).is_some_and(shape::is_exact) {
+            changed_length(&bytes, around, found);
+            found.extend(truncated(&bytes, around));
+        }
     }
     found.push(Diagnosis::BadLrc { expected });
 }
@@ -130,13 +132,10 @@ fn wrong_digit(digits: &[u8], bytes: &[u8], around: Surroundings<'_>) -> Option<
 }
 
 /// A whole byte lost or added: two characters.
-fn changed_length(bytes: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
+fn changed_length(bytes: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosis>) {
     let excess = sum(bytes);
     let mut removes = Vec::new();
     let mut inserts = Vec::new();
-    if bytes.len() * 2 > MAX_SEARCHED_DIGITS {
-        return None;
-    }
     for at in 0..=bytes.len() {
         let earlier = at.checked_sub(1).and_then(|before| bytes.get(before)).copied();
         if bytes.get(at) == Some(&excess) && earlier != Some(excess) {
@@ -153,42 +152,54 @@ fn changed_length(bytes: &[u8], around: Surroundings<'_>) -> Option<Diagnosis> {
     let whole = |placed: &Placed| is_right(&placed.repaired, around);
     removes.retain(whole);
     inserts.retain(whole);
-    match (removes.is_empty(), inserts.is_empty()) {
-        (false, _) => Some(Diagnosis::ExtraByte { repair: only(removes) }),
-        (true, false) => Some(Diagnosis::MissingByte { repair: only(inserts) }),
-        (true, true) => None,
-    }
+    length_changes(removes, inserts, found);
 }
 
-/// A single character lost or added.
-fn odd_digits(digits: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosis>) {
-    let mut removes = Vec::new();
-    let mut inserts = Vec::new();
-    if digits.len() <= MAX_SEARCHED_DIGITS {
-        for at in 0..=digits.len() {
-            let earlier = at.checked_sub(1).and_then(|before| digits.get(before)).copied();
-            let mut changed = digits.to_vec();
-            if at < digits.len() && earlier != digits.get(at).copied() {
-                changed.remove(at);
-                removes.extend(right(&changed, around).map(|repaired| Placed { at: at + 1, repaired }));
-                changed.insert(at, digits[at]);
-            }
-            changed.insert(at, b'0');
-            for digit in *b"0123456789ABCDEF" {
-                changed[at] = digit;
-                if earlier != Some(digit) {
-                    inserts.extend(right(&changed, around).map(|repaired| Placed { at: at + 1, repaired }));
-                }
-            }
-        }
-    }
+/// An added character or byte explains by its value, too; a lost one may have any.
+fn length_changes(removes: Vec<Placed>, inserts: Vec<Placed>, found: &mut Vec<Diagnosis>) {
     if !removes.is_empty() {
         found.push(Diagnosis::ExtraByte { repair: only(removes) });
     }
     if !inserts.is_empty() {
         found.push(Diagnosis::MissingByte { repair: only(inserts) });
     }
+}
+
+/// A single character lost or added. The digits before it keep their places; those behind it change from high to low.
+fn odd_digits(digits: &[u8], around: Surroundings<'_>, found: &mut Vec<Diagnosis>) {
+    let mut removes = Vec::new();
+    let mut inserts = Vec::new();
+    // The sum over the digits before a place as they stand, and from it on as they stand with one digit more before them.
+    let mut before = 0u8;
+    let mut behind = digits.iter().enumerate().fold(0u8, |sum, (at, digit)| sum.wrapping_add(weighed(*digit, at + 1)));
+    for at in 0..=digits.len() {
+        let earlier = at.checked_sub(1).and_then(|before| digits.get(before));
+        let wanted = 0u8.wrapping_sub(before).wrapping_sub(behind);
+        let digit = if at.is_multiple_of(2) { wanted.rotate_right(4) } else { wanted };
+        if let Some(digit) = char::from_digit(digit.into(), 16).and_then(|digit| u8::try_from(digit).ok())
+            && earlier.is_none_or(|earlier| !earlier.eq_ignore_ascii_case(&digit))
+        {
+            let mut changed = digits.to_vec();
+            changed.insert(at, digit);
+            inserts.extend(right(&changed, around).map(|repaired| Placed { at: at + 1, repaired }));
+        }
+        let Some(digit) = digits.get(at) else { break };
+        behind = behind.wrapping_sub(weighed(*digit, at + 1));
+        if before.wrapping_add(behind) == 0 && earlier != Some(digit) {
+            let mut changed = digits.to_vec();
+            changed.remove(at);
+            removes.extend(right(&changed, around).map(|repaired| Placed { at: at + 1, repaired }));
+        }
+        before = before.wrapping_add(weighed(*digit, at));
+    }
+    length_changes(removes, inserts, found);
     found.push(Diagnosis::AsciiNotHex { at: digits.len() });
+}
+
+/// What a digit adds to the sum of bytes at a place among the digits.
+fn weighed(digit: u8, at: usize) -> u8 {
+    let value = char::from(digit).to_digit(16).and_then(|value| u8::try_from(value).ok()).unwrap_or_default();
+    if at.is_multiple_of(2) { value << 4 } else { value }
 }
 
 /// One character that is no digit: a digit with a wrong bit, or one too many.

@@ -78,7 +78,7 @@ pub(crate) fn specific(frame: &[u8], around: Surroundings<'_>) -> Vec<Diagnosis>
         found.push(Diagnosis::LrcInRtu);
     }
     // A frame that lost its end is cut off as well as short of a byte, and where the byte is lost may stay open.
-    if found.iter().any(|diagnosis| may_be_cut_off(diagnosis, frame.len())) {
+    if found.iter().any(may_be_cut_off) {
         found.extend(truncated(frame, around));
     }
     found
@@ -121,11 +121,13 @@ fn only(mut repairs: Vec<Placed>, around: Surroundings<'_>) -> Option<Placed> {
     repairs.iter().all(|placed| placed.repaired == first.repaired).then_some(first)
 }
 
-fn may_be_cut_off(diagnosis: &Diagnosis, len: usize) -> bool {
-    match diagnosis {
-        Diagnosis::MissingByte { repair } => repair.as_ref().is_none_or(|placed| placed.at >= len),
-        _ => false,
-    }
+fn may_be_cut_off(diagnosis: &Diagnosis) -> bool {
+    let Diagnosis::MissingByte { repair } = diagnosis else { return false };
+    // In a run of equal bytes each may be the lost one.
+    repair.as_ref().is_none_or(|placed| {
+        let rest = placed.repaired.get(placed.at..).unwrap_or_default();
+        rest.iter().all(|byte| Some(byte) == rest.first())
+    })
 }
 
 /// Whether the bytes begin a frame that is longer than they are.
@@ -135,9 +137,10 @@ pub(crate) fn truncated(frame: &[u8], around: Surroundings<'_>) -> Option<Diagno
     if !shape::is_known(function) || *unit > 247 {
         return None;
     }
-    let answers = around.request.is_some_and(|request| {
-        request.get(1) == Some(&(function & 0x7F)) && (request.first() == Some(unit) || *unit == 0)
-    });
+    let answers = around.direction != Direction::Request
+        && around.request.is_some_and(|request| {
+            request.get(1) == Some(&(function & 0x7F)) && (request.first() == Some(unit) || *unit == 0)
+        });
     if frame.len() < if answers { MIN_LEN } else { MIN_TRUNCATED_LEN } {
         return None;
     }

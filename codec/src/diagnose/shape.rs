@@ -44,6 +44,11 @@ pub(crate) fn sides(pdu: &[u8]) -> Sides {
     Sides { request: fits(request_extent(pdu)), response: fits(response_extent(pdu)) }
 }
 
+/// Whether the standard tells a length for this PDU, and it has it.
+pub(crate) fn is_exact(pdu: &[u8]) -> bool {
+    [request_extent(pdu), response_extent(pdu)].contains(&Exact(pdu.len()))
+}
+
 /// Whether the standard tells the lengths of this function, an exception's top bit put aside.
 pub(crate) fn is_known(function: u8) -> bool {
     matches!(function & 0x7F, 0x01..=0x08 | 0x0B | 0x0C | 0x0F..=0x11 | 0x14..=0x18 | 0x2B)

@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::check::{between, is_right, powers, step};
+use crate::check::{are_right, between, is_right, powers, step};
 use crate::rtu::MAX_ADU_LEN;
 
 /// Steps allowed for each byte of the stream, and at its start.
@@ -45,13 +45,28 @@ impl Checks {
     #[inline]
     pub(super) fn is_right(&mut self, bytes: &[u8], place: u64, len: usize) -> bool {
         let Some(frame) = bytes.get(..len) else { return false };
-        let spent = self.spent.saturating_add(len as u64);
-        if len > SHORT && spent / STEPS_PER_BYTE > place.saturating_add(STEPS_AT_START) {
-            return self.is_right_by_run(frame, place);
+        if self.allows(place, len) { is_right(frame) } else { self.is_right_by_run(frame, place) }
+    }
+
+    /// The same for two lengths, the shorter one first; a length of zero is none.
+    #[inline]
+    pub(super) fn are_right(&mut self, bytes: &[u8], place: u64, short: usize, long: usize) -> [bool; 2] {
+        match bytes.get(..long) {
+            Some(frame) if long > 0 && self.allows(place, long) => are_right(frame, short),
+            _ => [short, long].map(|len| self.is_right(bytes, place, len)),
         }
-        self.spent = spent;
-        self.count(len);
-        is_right(frame)
+    }
+
+    /// Whether bytes may be checked one by one.
+    #[inline]
+    fn allows(&mut self, place: u64, len: usize) -> bool {
+        let spent = self.spent.saturating_add(len as u64);
+        let allowed = len <= SHORT || spent / STEPS_PER_BYTE <= place.saturating_add(STEPS_AT_START);
+        if allowed {
+            self.spent = spent;
+            self.count(len);
+        }
+        allowed
     }
 
     /// The CRC `crc` after one more byte.

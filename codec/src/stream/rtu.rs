@@ -33,11 +33,11 @@ pub(super) fn verdict(view: View<'_>, checks: &mut Checks) -> Verdict {
         return Verdict::Unknown { needed: lengths.longest().max(bytes.len() + 1) };
     }
     let Lengths { short, long, .. } = lengths;
-    let found = match (checks.is_right(bytes, place, short.len), checks.is_right(bytes, place, long.len)) {
-        (false, false) => return Verdict::NoFrame(1),
-        (true, false) => short,
-        (false, true) => long,
-        (true, true) => match likelier(view, short, long, checks) {
+    let found = match checks.are_right(bytes, place, short.len, long.len) {
+        [false, false] => return Verdict::NoFrame(1),
+        [true, false] => short,
+        [false, true] => long,
+        [true, true] => match likelier(view, short, long, checks) {
             Some(found) => found,
             None => return Verdict::Unknown { needed: TWO_FRAMES },
         },
@@ -51,16 +51,11 @@ fn frame(bytes: &[u8], found: Candidate) -> Verdict {
     Verdict::Frame(found.len, shape)
 }
 
-/// Of two lengths with a right check one is right by chance: the frame is the one that leaves a frame standing after it,
-/// else the longer one. `None` while this cannot be told.
+/// Of two lengths with a right check one is right by chance: the shorter one counts if a frame stands after it, for that is
+/// next to impossible in the middle of a longer frame; else the longer one. `None` while this cannot be told.
 #[cold]
 fn likelier(view: View<'_>, short: Candidate, long: Candidate, checks: &mut Checks) -> Option<Candidate> {
-    for candidate in [long, short] {
-        if is_followed(view, candidate.len, checks)? {
-            return Some(candidate);
-        }
-    }
-    Some(long)
+    is_followed(view, short.len, checks).map(|followed| if followed { short } else { long })
 }
 
 /// A frame whose length its function does not tell ends where its check is right: at the place that has a frame or the end

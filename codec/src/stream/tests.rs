@@ -247,7 +247,8 @@ fn a_right_check_inside_a_frame_is_no_end() {
     assert_eq!(pieces(Mode::Rtu, &two), [frame(0..25, Shape::Response), frame(25..30, Shape::Response)]);
 }
 
-/// A request, its reply, and bytes that make the check right for the length that the request would have as a reply.
+/// A request, its reply, and bytes that make the check right for the length that the request would have as a reply. What
+/// stands after that length does not count.
 #[test]
 fn of_two_right_lengths_the_one_before_a_frame_counts() {
     let stream = [rtu(1, &[0x03, 20, 0, 0, 1]), rtu(1, &[0x03, 2, 0, 7]), rtu(1, &[0x84, 2])].concat();
@@ -255,8 +256,10 @@ fn of_two_right_lengths_the_one_before_a_frame_counts() {
     let crc = crate::check::crc16(&stream[..23]).to_le_bytes();
     stream.splice(23.., crc);
     assert!(is_right(&stream[..25]) && is_right(&stream[..8]));
-    let found = pieces(Mode::Rtu, &stream);
-    assert_eq!(found[..2], [frame(0..8, Shape::Request), frame(8..15, Shape::Response)]);
+    for after in [vec![], rtu(1, &[0x84, 2])] {
+        let found = pieces(Mode::Rtu, &[stream.clone(), after].concat());
+        assert_eq!(found[..2], [frame(0..8, Shape::Request), frame(8..15, Shape::Response)]);
+    }
 }
 
 #[test]

@@ -2,10 +2,10 @@
 
 use core::ops::Range;
 
-use crate::diagnose::{Surroundings, repair, rtu};
+use crate::diagnose::{Surroundings, repair, rtu, shape};
 use crate::dissect::Direction;
 use crate::line::Mode;
-use crate::stream::{Found, PieceKind, Splitter};
+use crate::stream::{Found, MAX_NOISE_LEN, PieceKind, Splitter};
 
 /// A stretch of the stream that no frame crosses.
 #[derive(Clone, Debug)]
@@ -15,10 +15,10 @@ pub(super) struct Run {
     start: usize,
     splitter: Splitter,
     finished: bool,
-    /// A zero behind the last frame, which belongs to what follows.
-    stray: Option<usize>,
-    /// A frame that waits until the zero before it is given out.
-    held: Option<Cut>,
+    /// Noise that may go on.
+    noise: Option<Range<usize>>,
+    /// A frame that waits until the noise before it is given out.
+    held: Option<Frame>,
 }
 
 /// A frame with a right check, or bytes without one.
@@ -27,19 +27,18 @@ pub(super) struct Cut {
     /// Its place in the whole stream.
     pub(super) range: Range<usize>,
     pub(super) is_frame: bool,
-    has_stray_zero: bool,
 }
 
-impl Cut {
-    fn stray(place: usize) -> Self {
-        Self { range: place..place + 1, is_frame: false, has_stray_zero: false }
-    }
+#[derive(Clone, Debug)]
+struct Frame {
+    range: Range<usize>,
+    has_stray_zero: bool,
 }
 
 impl Run {
     /// A run that begins `start` bytes into the stream.
     pub(super) fn new(mode: Mode, mark: Direction, start: usize) -> Self {
-        Self { mode, mark, start, splitter: Splitter::new(mode), finished: false, stray: None, held: None }
+        Self { mode, mark, start, splitter: Splitter::new(mode), finished: false, noise: None, held: None }
     }
 
     /// Whether a segment of this kind belongs to it.
@@ -58,35 +57,40 @@ impl Run {
 
     /// The next part, once it is sure; the parts follow each other without gaps.
     pub(super) fn next_piece(&mut self) -> Option<Cut> {
-        if let Some(held) = self.held.take() {
-            return Some(held);
+        if let Some(frame) = self.held.take() {
+            return Some(self.give(frame));
         }
-        let Some(mut cut) = self.next_cut() else {
-            let stray = self.stray.take_if(|_| self.finished)?;
-            return Some(Cut::stray(stray));
-        };
-        match self.stray.take() {
-            Some(stray) if cut.is_frame => {
-                self.held = Some(cut);
-                cut = Cut::stray(stray);
+        loop {
+            let Some(Found { offset, bytes, kind }) = self.splitter.next_piece() else {
+                let range = self.noise.take_if(|_| self.finished)?;
+                return Some(Cut { range, is_frame: false });
+            };
+            let start = self.start.saturating_add(usize::try_from(offset).ok()?);
+            let range = start..start.saturating_add(bytes.len());
+            let is_rtu = self.mode == Mode::Rtu;
+            let by_chance = self.noise.is_some() && is_rtu && is_by_chance(bytes);
+            if matches!(kind, PieceKind::Frame(_)) && !by_chance {
+                let frame = Frame { range, has_stray_zero: is_rtu && has_stray_zero(bytes) };
+                let Some(noise) = self.noise.take() else { return Some(self.give(frame)) };
+                self.held = Some(frame);
+                return Some(Cut { range: noise, is_frame: false });
             }
-            Some(stray) => cut.range.start = stray,
-            None => {}
+            let start = self.noise.take().map_or(range.start, |noise| noise.start);
+            let noise = start..range.end;
+            if noise.len() >= MAX_NOISE_LEN {
+                return Some(Cut { range: noise, is_frame: false });
+            }
+            self.noise = Some(noise);
         }
-        let frame = self.held.as_mut().unwrap_or(&mut cut);
-        if frame.is_frame && frame.has_stray_zero {
-            frame.range.end -= 1;
-            self.stray = Some(frame.range.end);
-        }
-        Some(cut)
     }
 
-    fn next_cut(&mut self) -> Option<Cut> {
-        let Found { offset, bytes, kind } = self.splitter.next_piece()?;
-        let start = self.start.saturating_add(usize::try_from(offset).ok()?);
-        let is_frame = matches!(kind, PieceKind::Frame(_));
-        let has_stray_zero = is_frame && self.mode == Mode::Rtu && has_stray_zero(bytes);
-        Some(Cut { range: start..start.saturating_add(bytes.len()), is_frame, has_stray_zero })
+    fn give(&mut self, frame: Frame) -> Cut {
+        let Frame { mut range, has_stray_zero } = frame;
+        if has_stray_zero {
+            range.end -= 1;
+            self.noise = Some(range.end..range.end + 1);
+        }
+        Cut { range, is_frame: true }
     }
 }
 
@@ -96,4 +100,12 @@ fn has_stray_zero(frame: &[u8]) -> bool {
     let [shorter @ .., 0] = frame else { return false };
     let fits = |frame: &[u8]| rtu::is_whole(frame, Surroundings::UNKNOWN);
     !fits(frame) && fits(shorter) && repair::is_right(shorter)
+}
+
+/// Whether bytes within noise have a right check by chance: with these fields there is no such request or response.
+fn is_by_chance(frame: &[u8]) -> bool {
+    match frame {
+        [_, function @ 0x80..=0xFF, ..] => !shape::is_known(*function),
+        frame => !rtu::is_whole(frame, Surroundings::UNKNOWN),
+    }
 }

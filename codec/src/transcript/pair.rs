@@ -6,7 +6,6 @@
 
 use alloc::borrow::Cow;
 use alloc::collections::VecDeque;
-use alloc::vec::Vec;
 
 use super::recover::{Units, is_right};
 use super::{Entry, EntryKind};
@@ -105,9 +104,10 @@ enum Copies {
 }
 
 impl Pairing {
-    /// Unit id and the PDU's beginning of the latest request that waits.
-    pub(super) fn expected(&self) -> Option<&[u8]> {
-        self.open.back().map(Open::head)
+    /// Unit id and the PDU's beginning of the request that the next frame may answer: the last frame before it.
+    pub(super) fn expected(&self, entries: &[Entry]) -> Option<&[u8]> {
+        let before = frame_before(entries, entries.len());
+        self.open.back().filter(|open| Some(open.index) == before).map(Open::head)
     }
 
     pub(super) fn units(&self) -> &Units {
@@ -119,12 +119,9 @@ impl Pairing {
         let Some(index) = entries.len().checked_sub(1) else { return };
         let entry = entries[index];
         let frame = bytes.get(entry.range()).unwrap_or_default();
-        let expected: Vec<u8> = if entry.check_ok { Vec::new() } else { self.expected().unwrap_or_default().to_vec() };
-        let request = Some(expected.as_slice()).filter(|request| !request.is_empty());
-        let Some(View { unit, pdu }) = View::of(entry.mode, frame, Surroundings { direction: entry.mark, request })
-        else {
-            return;
-        };
+        let request = self.expected(entries.get(..index).unwrap_or_default());
+        let around = Surroundings { direction: entry.mark, request };
+        let Some(View { unit, pdu }) = View::of(entry.mode, frame, around) else { return };
         if entry.check_ok {
             self.units.insert(unit);
         }

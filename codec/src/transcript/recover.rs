@@ -162,6 +162,9 @@ impl Search {
         if let Some(len) = lengths.iter().find(|len| mended(&bytes[..**len], known, is_in_place)) {
             return Some(0..*len);
         }
+        if rtu::is_whole(bytes, known.surroundings()) {
+            return None;
+        }
         // A header that asks for more bytes than there are tells more than a byte that may be lost or added.
         let is_cut_off = bytes.len() <= MAX_LEN && rtu::truncated(bytes, known.surroundings()).is_some();
         if !is_cut_off && let Some(len) = length_on_clean_ground(bytes, &lengths, known) {
@@ -220,10 +223,9 @@ impl Search {
     }
 }
 
-/// Whether the bytes are one frame beyond doubt: the length that the function lets expect, or a right check, or one change
-/// that mends them.
+/// Whether the bytes are one frame beyond doubt: the check is right, though not the length, or one change mends them.
 fn is_specific(bytes: &[u8], known: &Known<'_>) -> bool {
-    is_right(Mode::Rtu, bytes) || rtu::is_whole(bytes, known.surroundings()) || mended(bytes, known, |_| true)
+    is_right(Mode::Rtu, bytes) || mended(bytes, known, |_| true)
 }
 
 /// The length of a frame at the start of a stretch that lost or gained a byte, or that has nothing but its shape.
