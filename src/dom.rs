@@ -11,7 +11,7 @@ use std::any::Any;
 use crate::reactive::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
-use web_sys::{Element, Event, EventTarget, Node};
+use web_sys::{Element, Event, EventTarget, HtmlElement, KeyboardEvent, Node};
 
 use crate::app::App;
 use crate::text::Language;
@@ -168,12 +168,63 @@ impl El {
         self
     }
 
+    /// The element itself.
+    pub(crate) fn handle(&self) -> Handle {
+        Handle(self.0.clone())
+    }
+
+    /// Takes it off the page.
+    pub(crate) fn remove(self) {
+        self.0.remove();
+    }
+
     /// Calls `act` with the inner width and height in pixels, now and whenever a signal that it has read changes.
     pub(crate) fn live_size(self, mut act: impl FnMut(f64, f64) + 'static) -> Self {
         let element = self.0.clone();
         react(move || act(element.client_width().into(), element.client_height().into()));
         self
     }
+}
+
+/// An element as it stands on the page, for what no signal tells: where it is scrolled to, how large it is drawn.
+#[derive(Clone)]
+pub(crate) struct Handle(Element);
+
+impl Handle {
+    /// Sets a property of its style. The page's policy allows it here, not in an attribute.
+    pub(crate) fn set_style(&self, property: &str, value: &str) {
+        if let Some(element) = self.0.dyn_ref::<HtmlElement>() {
+            // A property's name that is a literal is never refused.
+            let _ = element.style().set_property(property, value);
+        }
+    }
+
+    /// Height of what is inside its border, in pixels.
+    pub(crate) fn height(&self) -> f64 {
+        self.0.client_height().into()
+    }
+
+    /// How far it is scrolled down, in pixels.
+    pub(crate) fn scroll_top(&self) -> f64 {
+        self.0.scroll_top().into()
+    }
+
+    /// Scrolls it down so far.
+    pub(crate) fn set_scroll_top(&self, pixels: f64) {
+        // In the browser's range: lists are no taller.
+        #[allow(clippy::cast_possible_truncation)]
+        self.0.set_scroll_top(pixels as i32);
+    }
+
+    /// Adds an element at its end.
+    pub(crate) fn append(&self, child: &El) {
+        append(&self.0, &child.0);
+    }
+}
+
+/// The key of a keyboard's event, as `ArrowDown`; empty for other events.
+pub(crate) fn key(event: &Event) -> String {
+    event.dyn_ref::<KeyboardEvent>().map(KeyboardEvent::key).unwrap_or_default()
 }
 
 /// The value of the field that an event came from.

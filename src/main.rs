@@ -3,6 +3,7 @@
 //! One program, two roles: in the window it draws the page, in a dedicated worker it runs the engine.
 
 mod adapter;
+mod analyst;
 mod anatomy;
 mod app;
 mod components;

@@ -8,11 +8,11 @@ use buslens_codec::stream::Shape;
 use buslens_codec::transcript::{Entry, EntryKind, Transcript};
 use buslens_codec::{UnitId, ascii, line::Mode};
 
-use crate::export;
 use crate::filter::Sieve;
-use crate::message::{Filter, Format, ProfileChoice, Progress, Row, Rows, Statistics};
+use crate::message::{Filter, Format, Look, ProfileChoice, Progress, Row, Rows, Statistics};
 use crate::scale::Scales;
 use crate::statistics::Counting;
+use crate::{export, look};
 
 /// A text's beginning that is kept until there is enough of it to tell how it is to be read.
 const SAMPLE: usize = 64 << 10;
@@ -212,6 +212,14 @@ impl Desk {
     pub fn rows(&self, from: u32, count: u32) -> Rows {
         let wanted = (from..from.saturating_add(count.min(MOST_ROWS))).map_while(|at| self.shown_at(at as usize));
         Rows { edition: self.edition, from, rows: wanted.filter_map(|index| self.row(index)).collect() }
+    }
+
+    /// Looks closely at an entry, given by its number in the whole list; `shown` is what the device's display shows.
+    pub fn look(&self, index: u32, shown: &str) -> Look {
+        let at = index as usize;
+        let told = self.transcript.unit(at).map(|unit| self.scales.known_before(index, unit.0)).unwrap_or_default();
+        let mut known = known_of(self.profile.as_ref(), &told);
+        look::look(&self.transcript, self.profile.as_ref(), at, &mut known, shown)
     }
 
     /// Writes the list as it is filtered, in parts that are handed to `write` one after the other.

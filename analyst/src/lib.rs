@@ -6,6 +6,7 @@
 mod desk;
 mod export;
 mod filter;
+mod look;
 pub mod message;
 mod scale;
 mod statistics;

@@ -70,6 +70,10 @@ impl Analyst {
                 let rows = self.desk.borrow().rows(from, count);
                 post(&FromAnalyst::Rows(rows));
             }
+            ToAnalyst::Look { index, shown } => {
+                let look = self.desk.borrow().look(index, &shown);
+                post(&FromAnalyst::Look(look));
+            }
             ToAnalyst::Export(format) => self.export(format),
             ToAnalyst::Forget => spawn_local(source::forget()),
         }

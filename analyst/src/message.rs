@@ -32,6 +32,13 @@ pub enum ToAnalyst {
         /// How many.
         count: u32,
     },
+    /// Look closely at an entry.
+    Look {
+        /// Its number in the whole list.
+        index: u32,
+        /// The number that the device's own display shows, as typed; empty for none.
+        shown: String,
+    },
     /// Make a file of the list, as it is filtered.
     Export(Format),
     /// Forget what was kept.
@@ -83,6 +90,8 @@ pub enum FromAnalyst {
     Rows(Rows),
     /// What the whole list holds, once it has been read.
     Statistics(Statistics),
+    /// An entry, looked at closely.
+    Look(Look),
     /// The file that comes with this message is ready.
     Exported(Format),
     /// There was no kept text, or it cannot be read.
@@ -168,6 +177,52 @@ pub struct Row {
     pub unanswered: bool,
     /// An answer that nothing asked for.
     pub orphan: bool,
+}
+
+/// An entry, looked at closely.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Look {
+    /// Its number in the whole list.
+    pub index: u32,
+    /// The entry as an exported object.
+    pub json: String,
+    /// Everything that its registers could mean, a register each.
+    pub views: Vec<RegisterViews>,
+    /// Whether what was typed is a number.
+    pub understood: bool,
+    /// What would show that number, the simplest first.
+    pub fits: Vec<Fit>,
+}
+
+/// Everything that could begin at a register.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RegisterViews {
+    /// Its place among the frame's registers, from 0.
+    pub offset: u32,
+    /// The views.
+    pub views: Vec<View>,
+}
+
+/// One way to read registers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// As a profile names it, with the order of its bytes.
+    pub name: String,
+    /// How many registers it takes.
+    pub registers: u8,
+    /// What they are then.
+    pub text: String,
+}
+
+/// A way to read registers that gives the number that was looked for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// Its first register's place among the frame's registers, from 0.
+    pub offset: u32,
+    /// As a profile names it, with the order of its bytes.
+    pub name: String,
+    /// Digits behind the point; below zero for tens.
+    pub decimals: i8,
 }
 
 /// What a list holds.

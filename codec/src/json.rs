@@ -34,28 +34,43 @@ impl<'a> Lines<'a> {
     /// Writes the next entry as an object, with a line feed behind it; `false` behind the last one.
     pub fn write_next(&mut self, out: &mut String) -> bool {
         let index = self.next;
-        let Some(entry) = self.transcript.entries().get(index) else { return false };
         self.next += 1;
-        let bytes = self.transcript.entry_bytes(index);
         let mut unread = Known::default();
         let known = match (self.profile, self.transcript.unit(index)) {
             (Some(_), Some(unit)) => self.known.entry(unit).or_default(),
             _ => &mut unread,
         };
-        let reading = self.transcript.reading(index, self.profile, known);
-        out.push_str("{\"kind\":");
-        string(out, if entry.kind == EntryKind::Frame { "frame" } else { "noise" });
-        number(out, "index", index);
-        number(out, "offset", entry.offset);
-        match entry.kind {
-            EntryKind::Noise => self::bytes(out, "bytes", bytes),
-            EntryKind::Frame => frame(out, bytes, entry, reading.dissection.as_ref(), self.profile),
+        let written = write_entry(out, self.transcript, self.profile, index, known);
+        if written {
+            out.push('\n');
         }
-        key(out, "diagnoses");
-        list(out, &reading.diagnoses, write_diagnosis);
-        out.push_str("}\n");
-        true
+        written
     }
+}
+
+/// Writes an entry as an object; `false` behind the last one. `known` is what earlier frames of its unit told.
+pub fn write_entry(
+    out: &mut String,
+    transcript: &Transcript,
+    profile: Option<&Profile>,
+    index: usize,
+    known: &mut Known,
+) -> bool {
+    let Some(entry) = transcript.entries().get(index) else { return false };
+    let bytes = transcript.entry_bytes(index);
+    let reading = transcript.reading(index, profile, known);
+    out.push_str("{\"kind\":");
+    string(out, if entry.kind == EntryKind::Frame { "frame" } else { "noise" });
+    number(out, "index", index);
+    number(out, "offset", entry.offset);
+    match entry.kind {
+        EntryKind::Noise => self::bytes(out, "bytes", bytes),
+        EntryKind::Frame => frame(out, bytes, entry, reading.dissection.as_ref(), profile),
+    }
+    key(out, "diagnoses");
+    list(out, &reading.diagnoses, write_diagnosis);
+    out.push('}');
+    true
 }
 
 /// Writes a diagnosis as an object: its id and its details.

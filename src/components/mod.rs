@@ -4,4 +4,5 @@ pub(crate) mod alert;
 pub(crate) mod button;
 pub(crate) mod bytes;
 pub(crate) mod icon;
+pub(crate) mod list;
 pub(crate) mod shell;

@@ -136,3 +136,17 @@ fn files_of_the_list_hold_what_is_shown() {
     assert_eq!(csv.lines().nth(2), Some("5,38,6,36002020000,frame,rtu,response,7,4,ok,4,07840222C0,exception"));
     assert!(export(&desk, Format::JsonLines).lines().all(|line| line.contains("\"unit\":7")));
 }
+
+#[test]
+fn a_close_look_finds_what_shows_a_number() {
+    let desk = read("0C 04 00 04 00 02 31 17 0C 04 04 80 00 01 48 0F 22", ProfileChoice::Auto);
+    let look = desk.look(1, " \u{2212}0.328 ");
+    assert!(look.understood);
+    let fit = &look.fits[0];
+    assert_eq!((fit.name.as_str(), fit.offset), ("sign_magnitude_thousandths", 0));
+    assert_eq!(look.views.len(), 2);
+    assert!(look.views[0].views.iter().any(|view| (view.name.as_str(), view.text.as_str()) == ("hex", "8000")));
+    assert!(look.json.starts_with("{\"kind\":\"frame\",\"index\":1,") && look.json.contains("\"value\":-0.328"));
+    assert!(!desk.look(1, "much").understood);
+    assert!(desk.look(99, "").views.is_empty());
+}
