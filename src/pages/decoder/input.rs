@@ -1,0 +1,284 @@
+//! The text: typed, pasted, dropped, from a file. What is too long for a field is read beside it.
+
+use buslens_codec::intake::{Form, IntakeError, IntakeFault};
+use js_sys::JsString;
+use wasm_bindgen::prelude::*;
+use web_sys::{DragEvent, Event, HtmlInputElement};
+
+use super::desk::{Desk, Document, LONGEST_TYPED};
+use crate::analyst;
+use crate::app::App;
+use crate::components::button::{button, icon_button};
+use crate::components::icon::{Icon, icon};
+use crate::dom::{El, el};
+use crate::format;
+use crate::reactive::*;
+use crate::text::Language;
+use buslens_analyst::message::ToAnalyst;
+
+/// Places that could not be read that are shown.
+const FAULTS: usize = 3;
+
+/// Texts to begin with: name for the tests, label, text. A reply stands behind its request, which alone tells its registers.
+const EXAMPLES: [(&str, fn(Language) -> &'static str, &str); 4] = [
+    ("request", Language::example_request, "0C 04 00 04 00 02 31 17"),
+    ("reply", Language::example_reply, "0C 04 00 04 00 02 31 17\n0C 04 04 80 00 01 48 0F 22"),
+    ("exception", Language::example_exception, "0C 04 00 04 00 01 71 16\n0C 84 02 53 02"),
+    ("ascii", Language::example_ascii, ":010300310001CA"),
+];
+
+/// The card with the text and what was understood of it.
+pub(super) fn input_card(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let restorable = Memo::new(move |_| desk.previous.with(|previous| !previous.is_empty()));
+    let restore = move || {
+        icon_button(app, "quiet small", "restore-text", Icon::Reset, Language::restore_text)
+            .click(move || desk.replace(desk.previous.get_untracked()))
+    };
+    let header = el("header")
+        .child(el("h2").say(app, Language::decoder_title))
+        .child(el("span").class("space"))
+        .live_one(move || restorable.get().then(restore))
+        .child(file_button(app));
+    let examples = EXAMPLES.iter().map(|&(test, label, text)| {
+        button(app, "small", &["example-", test].concat(), label).click(move || desk.replace(text.to_owned()))
+    });
+    let footer = el("footer").child(el("span").class("muted").say(app, Language::examples)).children(examples);
+    let long = Memo::new(move |_| desk.document.with(Option::is_some));
+    el("section")
+        .class("card input")
+        .test("decoder-drop")
+        .child(header)
+        .live_one(move || Some(if long.get() { document(app) } else { field(app) }))
+        .child(understood(app))
+        .live_one(move || (!long.get()).then(|| el("div").class("contents")))
+        .child(footer)
+        .on("dragover", |event| event.prevent_default())
+        .on("drop", move |event| dropped(desk, &event))
+}
+
+/// The field for what fits one.
+fn field(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let area = el("textarea")
+        .attr("id", "decoder-input")
+        .test("decoder-input")
+        .attr("rows", "5")
+        .attr("spellcheck", "false")
+        .attr("autocapitalize", "off")
+        .attr("autocomplete", "off")
+        .live_attr("placeholder", move || Some(app.language.get().decoder_placeholder().to_owned()))
+        .on("paste", move |event| pasted(desk, &event))
+        .on("input", move |event| typed_long(desk, &event))
+        .bind("input", desk.typed);
+    el("div")
+        .class("contents")
+        .child(el("label").class("visually-hidden").attr("for", "decoder-input").say(app, Language::decoder_input))
+        .child(area)
+}
+
+/// A text that is too long for the field pastes beside it: laying it out would hold up the page for seconds.
+fn pasted(desk: &Desk, event: &Event) {
+    let Some(text) = event.unchecked_ref::<Transfer>().clipboard().map(|clipboard| clipboard.text("text")) else { return };
+    if text.length() > LONGEST_TYPED {
+        event.prevent_default();
+        desk.read_long(&text);
+    }
+}
+
+/// Whatever else brings a long text into the field.
+fn typed_long(desk: &Desk, event: &Event) {
+    let Some(field) = event.target() else { return };
+    let Ok(text) = field.unchecked_into::<Field>().value().dyn_into::<JsString>() else { return };
+    if text.length() > LONGEST_TYPED {
+        event.stop_immediate_propagation();
+        desk.read_long(&text);
+    }
+}
+
+fn dropped(desk: &Desk, event: &Event) {
+    event.prevent_default();
+    let Some(transfer) = event.unchecked_ref::<DragEvent>().data_transfer() else { return };
+    if let Some(file) = transfer.files().and_then(|files| files.get(0)) {
+        desk.read_file(&file);
+        return;
+    }
+    let text = transfer.unchecked_ref::<Clipboard>().text("text");
+    if text.length() > LONGEST_TYPED {
+        desk.read_long(&text);
+    } else if text.length() > 0 {
+        desk.replace(text.into());
+    }
+}
+
+fn file_button(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let chooser = el("input")
+        .attr("type", "file")
+        .class("visually-hidden")
+        .test("decoder-file")
+        .on("change", move |event| {
+            let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
+            let Some(chooser) = chosen else { return };
+            if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
+                desk.read_file(&file);
+            }
+            // The same file can be chosen again.
+            chooser.set_value("");
+        });
+    el("label").class("button small file").child(icon(Icon::File)).child(el("span").say(app, Language::open_file)).child(chooser)
+}
+
+/// A text that does not stand in the field.
+fn document(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let told = move || {
+        let language = app.language.get();
+        desk.document.with(|document| document.as_ref().map(|document| description(language, document)).unwrap_or_default())
+    };
+    let preview = move || desk.document.with(|document| document.as_ref().map(|found| found.preview.clone()).unwrap_or_default());
+    let has_preview = Memo::new(move |_| !preview().is_empty());
+    el("div")
+        .class("document")
+        .test("decoder-document")
+        .child(
+            el("div")
+                .class("document-head")
+                .child(icon(Icon::File))
+                .child(el("b").live_text(told))
+                .child(el("span").class("space"))
+                .child(button(app, "small", "close-document", Language::close_document).click(move || desk.close_document())),
+        )
+        .live_one(move || {
+            has_preview.get().then(|| {
+                el("pre").attr("tabindex", "0").label(app, Language::begins_with).live_text(preview)
+            })
+        })
+}
+
+fn description(language: Language, document: &Document) -> String {
+    let Document { name, size, .. } = document;
+    let size = format::count(*size);
+    match name {
+        Some(name) if document.size == 0 => name.clone(),
+        Some(name) => [name, ", ", &language.size_bytes(&size)].concat(),
+        None if document.size == 0 => language.pasted_text().to_owned(),
+        None => [language.pasted_text(), language.list_comma(), &language.size_characters(&size)].concat(),
+    }
+}
+
+/// How far reading is, how the text was read, and where it could not be.
+fn understood(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let busy = Memo::new(move |_| desk.progress.with(|progress| !progress.finished && progress.total > 0));
+    let percent = Memo::new(move |_| desk.progress.with(|progress| percent(progress.done, progress.total)));
+    let cancelled = Memo::new(move |_| desk.progress.with(|progress| progress.cancelled));
+    let forms = Memo::new(move |_| desk.progress.with(|progress| (progress.form, progress.alternative, progress.entries > 0)));
+    let faults = Memo::new(move |_| desk.progress.with(|progress| {
+        let first: Vec<IntakeError> = progress.faults.iter().take(FAULTS).copied().collect();
+        (first, progress.fault_count)
+    }));
+    el("div")
+        .class("understood")
+        .live_one(move || busy.get().then(|| progress_bar(app, percent)))
+        .live_one(move || cancelled.get().then(|| note(app.language.get().stopped_at(percent.get()))))
+        .live_one(move || desk.unreadable.with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words)))))
+        .live_one(move || match forms.get() {
+            (Some(form), alternative, true) => Some(form_line(app, form, alternative)),
+            _ => None,
+        })
+        .live(move || faults.with(|(first, count)| fault_lines(app.language.get(), first, *count)))
+}
+
+fn progress_bar(app: &'static App, percent: Memo<u32>) -> El {
+    let bar = el("progress").attr("max", "100").live_attr("value", move || Some(percent.get().to_string()));
+    el("div")
+        .class("progress")
+        .test("decoder-progress")
+        .attr("role", "status")
+        .child(bar)
+        .child(el("span").class("muted").live_text(move || app.language.get().reading_text(percent.get())))
+        .child(button(app, "small", "stop-reading", Language::stop).click(|| analyst::send(&ToAnalyst::Cancel)))
+}
+
+fn form_line(app: &'static App, form: Form, alternative: Option<Form>) -> El {
+    let desk = &app.decoder;
+    let mut line = el("p").class("form-line muted").test("decoder-form").child(el("span").say(app, form_text(form)));
+    if let Some(other) = alternative {
+        line = line.child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || desk.read_as(other)));
+    }
+    line
+}
+
+fn form_text(form: Form) -> fn(Language) -> &'static str {
+    match form {
+        Form::Hex => Language::read_as_hex,
+        Form::Decimal => Language::read_as_decimal,
+        Form::AsciiFrames => Language::read_as_ascii,
+        Form::Log => Language::read_as_log,
+        Form::HexDump => Language::read_as_dump,
+        Form::WordDump => Language::read_as_words,
+    }
+}
+
+fn instead_text(form: Form) -> fn(Language) -> &'static str {
+    match form {
+        Form::Hex => Language::instead_hex,
+        Form::Decimal => Language::instead_decimal,
+        Form::AsciiFrames => Language::instead_ascii,
+        Form::Log => Language::instead_log,
+        Form::HexDump => Language::instead_dump,
+        Form::WordDump => Language::instead_words,
+    }
+}
+
+fn fault_lines(language: Language, first: &[IntakeError], count: u64) -> Vec<El> {
+    let mut lines: Vec<El> = first.iter().map(|fault| fault_line(&fault_text(language, *fault))).collect();
+    let more = count.saturating_sub(first.len() as u64);
+    if more > 0 {
+        lines.push(note(language.faults_more(&format::count(more))));
+    }
+    lines
+}
+
+fn fault_line(text: &str) -> El {
+    let line = el("p").class("parse-error").attr("role", "alert").test("decoder-error");
+    line.child(icon(Icon::Fault)).child(el("span").text(text))
+}
+
+fn note(text: String) -> El {
+    el("p").class("form-line muted").text(&text)
+}
+
+fn fault_text(language: Language, error: IntakeError) -> String {
+    let what = match error.fault {
+        IntakeFault::Unexpected(character) => language.unexpected_character(character),
+        IntakeFault::OddDigits => language.odd_digits().to_owned(),
+        IntakeFault::TooLarge => language.too_large().to_owned(),
+        IntakeFault::NotText => language.not_text().to_owned(),
+        IntakeFault::RepeatTooLong => language.repeat_too_long().to_owned(),
+        IntakeFault::NoBytes => language.no_bytes().to_owned(),
+    };
+    language.parse_error_at(error.line, error.column, &what)
+}
+
+fn percent(done: u64, total: u64) -> u32 {
+    let percent = if total == 0 { 100 } else { done.saturating_mul(100) / total };
+    u32::try_from(percent).unwrap_or(100)
+}
+
+#[wasm_bindgen]
+extern "C" {
+    type Transfer;
+    #[wasm_bindgen(method, getter, js_name = clipboardData)]
+    fn clipboard(this: &Transfer) -> Option<Clipboard>;
+
+    /// The browser's text stays the browser's: a long one is never copied into the program.
+    type Clipboard;
+    #[wasm_bindgen(method, js_name = getData)]
+    fn text(this: &Clipboard, kind: &str) -> JsString;
+
+    type Field;
+    #[wasm_bindgen(method, getter)]
+    fn value(this: &Field) -> JsValue;
+}
