@@ -37,9 +37,10 @@ impl<'a> Lines<'a> {
         let Some(entry) = self.transcript.entries().get(index) else { return false };
         self.next += 1;
         let bytes = self.transcript.entry_bytes(index);
+        let header = self.transcript.header(index);
         let mut unread = Known::default();
-        let known = match (self.profile, self.transcript.unit(index)) {
-            (Some(_), Some(unit)) => self.known.entry(unit).or_default(),
+        let known = match (self.profile, header) {
+            (Some(_), Some((unit, _))) => self.known.entry(unit).or_default(),
             _ => &mut unread,
         };
         let reading = self.transcript.reading(index, self.profile, known);
@@ -49,7 +50,7 @@ impl<'a> Lines<'a> {
         number(out, "offset", entry.offset);
         match entry.kind {
             EntryKind::Noise => self::bytes(out, "bytes", bytes),
-            EntryKind::Frame => frame(out, bytes, entry, reading.dissection.as_ref(), self.profile),
+            EntryKind::Frame => frame(out, (bytes, header), entry, reading.dissection.as_ref(), self.profile),
         }
         key(out, "diagnoses");
         list(out, &reading.diagnoses, write_diagnosis);
@@ -95,7 +96,13 @@ pub fn write_diagnosis(out: &mut String, diagnosis: &Diagnosis) {
     out.push('}');
 }
 
-fn frame(out: &mut String, frame: &[u8], entry: &Entry, dissection: Option<&Dissection>, profile: Option<&Profile>) {
+fn frame(
+    out: &mut String,
+    (frame, header): (&[u8], Option<(UnitId, u8)>),
+    entry: &Entry,
+    dissection: Option<&Dissection>,
+    profile: Option<&Profile>,
+) {
     key(out, "mode");
     string(out, if entry.mode == Mode::Rtu { "rtu" } else { "ascii" });
     key(out, "direction");
@@ -106,9 +113,9 @@ fn frame(out: &mut String, frame: &[u8], entry: &Entry, dissection: Option<&Diss
     };
     string(out, direction);
     key(out, "unit");
-    optional(out, dissection.map(|found| found.unit.0));
+    optional(out, header.map(|(unit, _)| unit));
     key(out, "function");
-    optional(out, dissection.map(|found| found.function));
+    optional(out, header.map(|(_, function)| function));
     key(out, "bytes");
     // Characters that spell no bytes are shown as they are.
     match crate::ascii::decode_body(frame).ok().filter(|_| entry.mode == Mode::Ascii) {

@@ -171,6 +171,18 @@ fn damaged_frames_carry_their_diagnoses_first_to_last() {
 }
 
 #[test]
+fn what_cannot_be_taken_apart_still_has_its_header() {
+    let (out, notes, code) = run(&[], b":010300G10001CA");
+    assert_eq!((notes.as_str(), code), ("line 1, column 8: unexpected 'G'\n", 0));
+    let lines = vec![out];
+    assert_eq!(all(&lines, &["unit"]), ["1"]);
+    assert_eq!(all(&lines, &["function"]), ["3"]);
+    assert_eq!(at(&lines[0], &["bytes"]), "\"3A30313033303047313030303143410D0A\"");
+    assert_eq!(at(&lines[0], &["check"]), r#"{"kind":"lrc","found":null,"expected":null,"ok":false}"#);
+    assert_eq!(at(&lines[0], &["diagnoses"]), r#"[{"id":"ascii_not_hex","at":7}]"#);
+}
+
+#[test]
 fn values_beyond_the_profile_are_told() {
     // Parity code 9.
     let lines = lines("lvdt", "01 10 00 32 00 01 02 00 09 62 44");
