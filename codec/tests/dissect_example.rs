@@ -5,6 +5,7 @@
 mod dissect;
 
 use nojson::{RawJson, RawJsonValue};
+use proptest::prelude::*;
 
 /// What the program writes on both outputs, and its exit code.
 fn run(arguments: &[&str], text: &[u8]) -> (String, String, u8) {
@@ -266,6 +267,23 @@ fn every_line_is_json() {
             for key in keys {
                 at(line, &[key]);
             }
+        }
+    }
+}
+
+proptest! {
+    /// Whatever bytes a text holds, each line is an object, and the bytes come back in their order.
+    #[test]
+    fn any_bytes_become_json(bytes in prop::collection::vec(any::<u8>(), 1..80), known in 0usize..4) {
+        let mut stream = vec![1, 3, 0, 0x31, 0, 1, 0xD5, 0xC5];
+        stream.truncate(known * 3);
+        stream.extend(bytes);
+        let text: String = stream.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ");
+        let (out, _, code) = run(&["--profile", "level"], text.as_bytes());
+        prop_assert_eq!(code, 0);
+        let found: Vec<String> = out.lines().map(|line| at(line, &["bytes"]).trim_matches('"').to_owned()).collect();
+        if !out.contains("\"ascii\"") {
+            prop_assert_eq!(found.concat(), text.replace(' ', ""));
         }
     }
 }
