@@ -217,7 +217,12 @@ impl Desk {
     /// Looks closely at an entry, given by its number in the whole list; `shown` is what the device's display shows.
     pub fn look(&self, index: u32, shown: &str) -> Look {
         let at = index as usize;
-        let told = self.transcript.unit(at).map(|unit| self.scales.known_before(index, unit.0)).unwrap_or_default();
+        let told = self
+            .transcript
+            .header(at)
+            .map(|(unit, _)| unit)
+            .map(|unit| self.scales.known_before(index, unit.0))
+            .unwrap_or_default();
         let mut known = known_of(self.profile.as_ref(), &told);
         look::look(&self.transcript, self.profile.as_ref(), at, &mut known, shown)
     }
@@ -325,7 +330,7 @@ impl Desk {
     fn row(&self, index: usize) -> Option<Row> {
         let entry = self.transcript.entries().get(index)?;
         let bytes = self.transcript.entry_bytes(index);
-        let unit = self.transcript.unit(index);
+        let unit = self.transcript.header(index).map(|(unit, _)| unit);
         let told = unit.map(|unit| self.scales.known_before(place(index), unit.0)).unwrap_or_default();
         let mut known = known_of(self.profile.as_ref(), &told);
         let reading = self.transcript.reading(index, self.profile.as_ref(), &mut known);

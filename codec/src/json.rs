@@ -35,9 +35,10 @@ impl<'a> Lines<'a> {
     pub fn write_next(&mut self, out: &mut String) -> bool {
         let index = self.next;
         self.next += 1;
+        let header = self.transcript.header(index);
         let mut unread = Known::default();
-        let known = match (self.profile, self.transcript.unit(index)) {
-            (Some(_), Some(unit)) => self.known.entry(unit).or_default(),
+        let known = match (self.profile, header) {
+            (Some(_), Some((unit, _))) => self.known.entry(unit).or_default(),
             _ => &mut unread,
         };
         let written = write_entry(out, self.transcript, self.profile, index, known);
@@ -65,7 +66,9 @@ pub fn write_entry(
     number(out, "offset", entry.offset);
     match entry.kind {
         EntryKind::Noise => self::bytes(out, "bytes", bytes),
-        EntryKind::Frame => frame(out, bytes, entry, reading.dissection.as_ref(), profile),
+        EntryKind::Frame => {
+            frame(out, (bytes, transcript.header(index)), entry, reading.dissection.as_ref(), profile);
+        }
     }
     key(out, "diagnoses");
     list(out, &reading.diagnoses, write_diagnosis);
@@ -110,7 +113,13 @@ pub fn write_diagnosis(out: &mut String, diagnosis: &Diagnosis) {
     out.push('}');
 }
 
-fn frame(out: &mut String, frame: &[u8], entry: &Entry, dissection: Option<&Dissection>, profile: Option<&Profile>) {
+fn frame(
+    out: &mut String,
+    (frame, header): (&[u8], Option<(UnitId, u8)>),
+    entry: &Entry,
+    dissection: Option<&Dissection>,
+    profile: Option<&Profile>,
+) {
     key(out, "mode");
     string(out, if entry.mode == Mode::Rtu { "rtu" } else { "ascii" });
     key(out, "direction");
@@ -121,9 +130,9 @@ fn frame(out: &mut String, frame: &[u8], entry: &Entry, dissection: Option<&Diss
     };
     string(out, direction);
     key(out, "unit");
-    optional(out, dissection.map(|found| found.unit.0));
+    optional(out, header.map(|(unit, _)| unit));
     key(out, "function");
-    optional(out, dissection.map(|found| found.function));
+    optional(out, header.map(|(_, function)| function));
     key(out, "bytes");
     // Characters that spell no bytes are shown as they are.
     match crate::ascii::decode_body(frame).ok().filter(|_| entry.mode == Mode::Ascii) {

@@ -200,14 +200,16 @@ impl Transcript {
         found
     }
 
-    /// The unit id of a frame as it stands; `None` for noise and where it cannot be read.
-    pub fn unit(&self, index: usize) -> Option<UnitId> {
+    /// The unit id and the function code of a frame as they stand, the code without an exception's top bit; `None` for noise
+    /// and where they cannot be read.
+    pub fn header(&self, index: usize) -> Option<(UnitId, u8)> {
         let entry = self.entries.get(index).filter(|entry| entry.kind == EntryKind::Frame)?;
         let frame = self.entry_bytes(index);
-        match entry.mode {
-            Mode::Rtu => frame.first().copied().map(UnitId),
-            Mode::Ascii => crate::ascii::decode_body(frame).ok()?.first().copied().map(UnitId),
-        }
+        let (unit, function) = match entry.mode {
+            Mode::Rtu => (*frame.first()?, *frame.get(1)?),
+            Mode::Ascii => diagnose::ascii::header(frame)?,
+        };
+        Some((UnitId(unit), function & 0x7F))
     }
 
     /// Unit id and PDU of the request that a response answers; a damaged one as it was meant.

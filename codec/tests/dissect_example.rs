@@ -5,6 +5,7 @@
 mod dissect;
 
 use nojson::{RawJson, RawJsonValue};
+use proptest::prelude::*;
 
 /// What the program writes on both outputs, and its exit code.
 fn run(arguments: &[&str], text: &[u8]) -> (String, String, u8) {
@@ -171,6 +172,18 @@ fn damaged_frames_carry_their_diagnoses_first_to_last() {
 }
 
 #[test]
+fn what_cannot_be_taken_apart_still_has_its_header() {
+    let (out, notes, code) = run(&[], b":010300G10001CA");
+    assert_eq!((notes.as_str(), code), ("line 1, column 8: unexpected 'G'\n", 0));
+    let lines = vec![out];
+    assert_eq!(all(&lines, &["unit"]), ["1"]);
+    assert_eq!(all(&lines, &["function"]), ["3"]);
+    assert_eq!(at(&lines[0], &["bytes"]), "\"3A30313033303047313030303143410D0A\"");
+    assert_eq!(at(&lines[0], &["check"]), r#"{"kind":"lrc","found":null,"expected":null,"ok":false}"#);
+    assert_eq!(at(&lines[0], &["diagnoses"]), r#"[{"id":"ascii_not_hex","at":7}]"#);
+}
+
+#[test]
 fn values_beyond_the_profile_are_told() {
     // Parity code 9.
     let lines = lines("lvdt", "01 10 00 32 00 01 02 00 09 62 44");
@@ -254,6 +267,23 @@ fn every_line_is_json() {
             for key in keys {
                 at(line, &[key]);
             }
+        }
+    }
+}
+
+proptest! {
+    /// Whatever bytes a text holds, each line is an object, and the bytes come back in their order.
+    #[test]
+    fn any_bytes_become_json(bytes in prop::collection::vec(any::<u8>(), 1..80), known in 0usize..4) {
+        let mut stream = vec![1, 3, 0, 0x31, 0, 1, 0xD5, 0xC5];
+        stream.truncate(known * 3);
+        stream.extend(bytes);
+        let text: String = stream.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ");
+        let (out, _, code) = run(&["--profile", "level"], text.as_bytes());
+        prop_assert_eq!(code, 0);
+        let found: Vec<String> = out.lines().map(|line| at(line, &["bytes"]).trim_matches('"').to_owned()).collect();
+        if !out.contains("\"ascii\"") {
+            prop_assert_eq!(found.concat(), text.replace(' ', ""));
         }
     }
 }

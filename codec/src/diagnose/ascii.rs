@@ -12,6 +12,8 @@ use crate::dissect::Direction;
 
 /// Characters of a frame around its digits: colon, CR, LF.
 const AROUND_DIGITS: usize = 3;
+/// The colon and four digits.
+const HEADER_LEN: usize = 5;
 /// Fewest characters behind the colon that are taken for a frame.
 const MIN_DIGITS: usize = 4;
 
@@ -47,8 +49,21 @@ pub(crate) fn bytes(digits: &[u8]) -> Option<Vec<u8>> {
     if digits.len() < 6 || !digits.len().is_multiple_of(2) {
         return None;
     }
+    values(digits)
+}
+
+fn values(digits: &[u8]) -> Option<Vec<u8>> {
     let value = |digit: &u8| char::from(*digit).to_digit(16).and_then(|value| u8::try_from(value).ok());
-    digits.chunks_exact(2).map(|pair| Some(value(pair.first()?)? << 4 | value(pair.last()?)?)).collect()
+    digits.chunks_exact(2).map(|pair| Some((value(pair.first()?)? << 4) | value(pair.last()?)?)).collect()
+}
+
+/// The unit id and the function code of a frame's characters, as long as these are digits.
+pub(crate) fn header(frame: &[u8]) -> Option<(u8, u8)> {
+    let head = frame.get(..HEADER_LEN).filter(|head| head.first().is_some_and(|colon| colon & 0x7F == b':'))?;
+    match values(&digits(head))?.as_slice() {
+        [unit, function] => Some((*unit, *function)),
+        _ => None,
+    }
 }
 
 /// The digits of a frame's characters, eighth bits put aside: what stands between colon and line end, where these are.
