@@ -60,8 +60,8 @@ fn extend(crc: u16, bytes: &[u8]) -> u16 {
     rest.iter().fold(crc, |crc, byte| step(crc, *byte))
 }
 
-/// Takes `N` bytes at once, as many as there are tables at most. The CRC is linear: each byte adds what its table holds, and the CRC so far counts as
-/// added to the first two bytes. These come last, so that the next step waits for them alone.
+/// Takes `N` bytes at once, as many as there are tables at most. The CRC is linear: each byte adds what its table holds, and
+/// the CRC so far counts as added to the first two bytes. These come last, so that the next step waits for them alone.
 #[inline]
 fn stride<const N: usize>(crc: u16, mut block: [u8; N]) -> u16 {
     if N == 1 {
