@@ -10,7 +10,7 @@ use crate::dom::{el, mount, on_window, react};
 use crate::history::History;
 use crate::link;
 use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
-use crate::pages::{decoder_page, live_page};
+use crate::pages::{Desk, decoder_page, live_page};
 use crate::route::{self, Route};
 use crate::serial::PickFault;
 use crate::settings::Settings;
@@ -46,6 +46,8 @@ pub(crate) struct App {
     pub(crate) settings: Settings,
     /// What has been read; [`Self::history_turn`] tells of changes.
     pub(crate) history: StoredValue<History>,
+    /// The Decoder page's state.
+    pub(crate) decoder: Desk,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
     /// Ticks ten times a second while connected, and whenever the window changes its size.
@@ -141,6 +143,7 @@ impl App {
             pick_fault: RwSignal::new(None),
             settings: Settings::remembered(),
             history: StoredValue::new(History::default()),
+            decoder: Desk::remembered(),
             history_turn: RwSignal::new(0),
             clock_turn: RwSignal::new(0),
             clock_lead_s: StoredValue::new(None),

@@ -11,7 +11,7 @@ use std::any::Any;
 use crate::reactive::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
-use web_sys::{Element, Event, EventTarget, HtmlElement, KeyboardEvent, Node};
+use web_sys::{Blob, Element, Event, EventTarget, HtmlElement, KeyboardEvent, Node, Url};
 
 use crate::app::App;
 use crate::text::Language;
@@ -220,6 +220,22 @@ impl Handle {
     pub(crate) fn append(&self, child: &El) {
         append(&self.0, &child.0);
     }
+}
+
+/// Lets the browser save a file.
+pub(crate) fn save_file(file: &Blob, name: &str) {
+    let Ok(address) = Url::create_object_url_with_blob(file) else { return };
+    let link = el("a").attr("href", &address).attr("download", name);
+    if let Some(link) = link.0.dyn_ref::<HtmlElement>() {
+        link.click();
+    }
+    // The browser has taken the file up with the click.
+    let _ = Url::revoke_object_url(&address);
+}
+
+/// Whether the element of an event, one that opens and closes, is open.
+pub(crate) fn is_open(event: &Event) -> bool {
+    event.target().and_then(|target| Reflect::get(&target, &"open".into()).ok()).is_some_and(|open| open.is_truthy())
 }
 
 /// The key of a keyboard's event, as `ArrowDown`; empty for other events.

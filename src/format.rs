@@ -65,6 +65,38 @@ pub(crate) fn rate(per_second: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// A time in microseconds as `10:21:33.482`; of an epoch the time of its day. Tenths of milliseconds where there are any.
+pub(crate) fn clock(time_us: u64) -> String {
+    let of_day = time_us % 86_400_000_000;
+    let seconds = of_day / 1_000_000;
+    let mut text = String::new();
+    let mut push = |value: u64, width: usize, before: &str| {
+        text.push_str(before);
+        let digits = value.to_string();
+        for _ in digits.len()..width {
+            text.push('0');
+        }
+        text.push_str(&digits);
+    };
+    push(seconds / 3600, 2, "");
+    push(seconds / 60 % 60, 2, ":");
+    push(seconds % 60, 2, ":");
+    let tenths = of_day % 1_000_000 / 100;
+    if tenths.is_multiple_of(10) { push(tenths / 10, 3, ".") } else { push(tenths, 4, ".") }
+    text
+}
+
+/// Bytes as the list of a C program: `{0x01, 0x03}`.
+pub(crate) fn c_array(bytes: &[u8]) -> String {
+    let mut text = "{".to_owned();
+    for (at, byte) in bytes.iter().enumerate() {
+        text.push_str(if at > 0 { ", 0x" } else { "0x" });
+        push_hex(&mut text, &[*byte]);
+    }
+    text.push('}');
+    text
+}
+
 /// A byte as two digits.
 pub(crate) fn hex(byte: u8) -> String {
     let mut text = String::new();
@@ -127,7 +159,15 @@ mod tests {
     }
 
     #[test]
+    fn clocks_show_as_many_decimals_as_there_are() {
+        assert_eq!(clock(37_293_482_000), "10:21:33.482");
+        assert_eq!(clock(37_293_482_300), "10:21:33.4823");
+        assert_eq!(clock(1_714_557_693_000_000), "10:01:33.000");
+    }
+
+    #[test]
     fn bytes_are_upper_case_pairs() {
+        assert_eq!(c_array(&[0x0C, 0xFF]), "{0x0C, 0xFF}");
         assert_eq!(hex_spaced(&[0x0C, 0xFF, 0x00]), "0C FF 00");
         assert_eq!(hex(0xA1), "A1");
     }

@@ -25,6 +25,8 @@ pub(crate) enum Icon {
     Plug,
     /// An arrow to the right: go there.
     Go,
+    /// A sheet with a folded corner: a file.
+    File,
 }
 
 impl Icon {
@@ -42,6 +44,7 @@ impl Icon {
             Self::Reset => "M3.5 3.5v4h4M3.9 7.5A6 6 0 1 1 3.2 11",
             Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",
             Self::Go => "M3 9h11M10 5l4 4-4 4",
+            Self::File => "M4.5 2.5h6l3 3v10h-9zM10.5 2.5v3h3",
         }
     }
 }

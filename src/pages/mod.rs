@@ -3,5 +3,5 @@
 mod decoder;
 mod live;
 
-pub(crate) use decoder::decoder_page;
+pub(crate) use decoder::{Desk, decoder_page};
 pub(crate) use live::live_page;

@@ -4,6 +4,7 @@
 //! compile. A text without arguments is a `&'static str`, one with arguments a `String`.
 
 mod decoder;
+mod desk;
 mod faults;
 mod live;
 mod shell;
@@ -80,7 +81,7 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL].into_iter().flatten()
+        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, desk::ALL].into_iter().flatten()
     }
 
     /// The text without its `{arguments}`.

@@ -1,7 +1,7 @@
 //! What the Decoder page knows: the text, and what the analyst has made of it.
 
 use buslens_analyst::message::{
-    Filter, Format, FromAnalyst, ProfileChoice, Progress, Row, Rows, Statistics, ToAnalyst,
+    Filter, Format, FromAnalyst, Look, ProfileChoice, Progress, Row, Rows, Statistics, ToAnalyst,
 };
 use buslens_codec::intake::Form;
 use js_sys::{Array, JsString};
@@ -57,6 +57,12 @@ pub(crate) struct Desk {
     pub(super) chosen: RwSignal<u32>,
     /// Changes whenever rows have come or gone.
     pub(super) turn: RwSignal<u32>,
+    /// The last closer look.
+    pub(super) look: RwSignal<Option<Look>>,
+    /// What the device's own display shows, typed.
+    pub(super) shown: RwSignal<String>,
+    /// Whether the views of the registers are open.
+    pub(super) views_open: RwSignal<bool>,
     rows: StoredValue<Pages>,
     reading: StoredValue<u32>,
     started: StoredValue<bool>,
@@ -100,6 +106,9 @@ impl Desk {
             text: RwSignal::new(String::new()),
             chosen: RwSignal::new(0),
             turn: RwSignal::new(0),
+            look: RwSignal::new(None),
+            shown: RwSignal::new(String::new()),
+            views_open: RwSignal::new(false),
             rows: StoredValue::new(Pages::default()),
             reading: StoredValue::new(0),
             started: StoredValue::new(false),
@@ -113,11 +122,33 @@ impl Desk {
         }
         self.started.set_value(true);
         analyst::start(move |message, beside| app.decoder.hear(message, &beside));
+        self.send_profile();
         if let Some(name) = storage::load("decoder-document").filter(|name| !name.is_empty()) {
             let name = Some(name).filter(|name| name != "\n");
             self.document.set(Some(Document { name, size: 0, preview: String::new() }));
             self.begin(&JsValue::UNDEFINED, false);
         }
+    }
+
+    /// Whether the analyst has been started.
+    pub(super) fn is_started(&self) -> bool {
+        self.started.get_value()
+    }
+
+    /// Chooses an entry by its number in the whole list. Where a filter hides it, the filter goes.
+    pub(super) fn go_to(&self, index: u32) {
+        if self.filter() != Filter::default() {
+            self.clear_filter();
+        }
+        self.chosen.set(index);
+    }
+
+    /// Shows everything.
+    pub(super) fn clear_filter(&self) {
+        for field in [self.unit, self.function, self.text] {
+            field.set(String::new());
+        }
+        self.errors_only.set(false);
     }
 
     /// Puts a text into the field; what stood there can be taken back.
@@ -203,7 +234,6 @@ impl Desk {
 
     /// Tells the analyst what is shown.
     pub(super) fn send_filter(&self) {
-        self.chosen.set(0);
         analyst::send(&ToAnalyst::Filter(self.filter()));
     }
 
@@ -263,6 +293,7 @@ impl Desk {
                 self.rows.update_value(Pages::forget);
                 self.bump();
             }
+            FromAnalyst::Look(look) => self.look.set(Some(look)),
             FromAnalyst::Exported(format) => save_file(format, beside),
             FromAnalyst::NothingKept => {
                 self.document.set(None);

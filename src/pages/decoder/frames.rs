@@ -1,0 +1,135 @@
+//! The list of frames.
+
+use buslens_analyst::message::Row;
+use buslens_codec::dissect::Direction;
+use buslens_codec::pdu::Request;
+use buslens_codec::profile::Known;
+
+use crate::anatomy::{Anatomy, Facts};
+use crate::app::App;
+use crate::components::list::{Source, list};
+use crate::dom::{El, el};
+use crate::format::{self, hex_spaced};
+use crate::reactive::*;
+use crate::text::Language;
+
+/// Bytes of a row that are drawn; the rest is cut off by the row's edge anyway.
+const BYTES: usize = 64;
+
+/// The list with its head.
+pub(super) fn frame_list(app: &'static App) -> El {
+    let desk = &app.decoder;
+    let heads: [(&str, fn(Language) -> &'static str); 6] = [
+        ("cell-direction", Language::direction),
+        ("cell-unit number", Language::unit_short),
+        ("cell-function", Language::function),
+        ("cell-meaning", Language::meaning),
+        ("cell-check", Language::check),
+        ("cell-bytes", Language::bytes),
+    ];
+    let cells = heads.into_iter().map(|(class, text)| el("span").class(class).say(app, text));
+    let head = el("div")
+        .class("list-row list-head")
+        .attr("aria-hidden", "true")
+        .child(el("span").class("cell-number number").text("#"))
+        .child(el("span").class("cell-time").say(app, Language::time))
+        .children(cells);
+    let timed = Memo::new(move |_| {
+        desk.turn.track();
+        desk.row(0).is_some_and(|row| row.time_us.is_some())
+    });
+    let source = Source {
+        total: Memo::new(move |_| desk.progress.with(|progress| progress.shown)),
+        turn: desk.turn,
+        row: |app, at| {
+            let row = app.decoder.row(at)?;
+            Some((stamp(app, at, &row), draw(app, &row)))
+        },
+        want: |app, places| app.decoder.want(places),
+        chosen: desk.chosen,
+        hook: "frame-row",
+    };
+    el("div")
+        .class("contents")
+        .child(list(app, "frames", Language::frames, head, source).state("data-timed", move || timed.get()))
+}
+
+/// A row that has been drawn is drawn anew when the analyst has new words on it.
+fn stamp(app: &'static App, at: u32, row: &Row) -> u64 {
+    let edition = app.decoder.progress.with_untracked(|progress| progress.edition);
+    let counted = app.decoder.statistics.with_untracked(Option::is_some);
+    let zh = app.language.get_untracked() == Language::Zh;
+    u64::from(edition) << 34 | u64::from(at ^ row.index) << 2 | u64::from(counted) << 1 | u64::from(zh)
+}
+
+/// A row's frame taken apart.
+pub(super) fn anatomy(app: &'static App, row: &Row) -> Anatomy {
+    let language = app.language.get();
+    if !row.is_frame {
+        return Anatomy::of_noise(language, &row.bytes, row.mode);
+    }
+    let profile = app.decoder.device().map(crate::device::Device::profile);
+    let mut known = Known::default();
+    if let Some(profile) = profile {
+        for (function, address, value) in &row.told {
+            profile.decode_points(*function, *address, &[*value], &mut known);
+        }
+    }
+    let request = Request::decode(&row.request).ok();
+    Anatomy::of(language, profile, &row.bytes, row.mode, row.direction, request.as_ref(), &mut known)
+}
+
+fn draw(app: &'static App, row: &Row) -> El {
+    let language = app.language.get_untracked();
+    let found = anatomy(app, row);
+    let cell = |class: &str, text: &str| el("span").class(class).text(text);
+    let time = row.time_us.map(format::clock).unwrap_or_default();
+    let mut bytes = hex_spaced(&row.bytes[..row.bytes.len().min(BYTES)]);
+    if row.bytes.len() > BYTES {
+        bytes = language.more_bytes(&format::count(row.length.into()));
+    }
+    let shell = el("div").class("list-row");
+    let shell = shell
+        .child(cell("cell-number number muted", &format::count(u64::from(row.index) + 1)))
+        .child(cell("cell-time mono", &time));
+    let Some(Facts { direction, unit, function, meaning, check_ok, expected, .. }) = &found.facts else {
+        let tag = el("span").class("tag").text(language.noise());
+        return shell
+            .child(cell("cell-direction", ""))
+            .child(cell("cell-unit", ""))
+            .child(cell("cell-function", ""))
+            .child(cell("cell-meaning muted", language.no_frame()))
+            .child(el("span").class("cell-check").child(tag))
+            .child(cell("cell-bytes mono", &bytes));
+    };
+    let (class, direction) = match direction {
+        Direction::Request => ("cell-direction direction tx", "TX"),
+        Direction::Response => ("cell-direction direction rx", "RX"),
+        Direction::Unknown => ("cell-direction direction", "?"),
+    };
+    shell
+        .child(cell(class, direction))
+        .child(cell("cell-unit number", &unit.to_string()))
+        .child(cell("cell-function", function))
+        .child(cell("cell-meaning", meaning))
+        .child(check_cell(language, row, *check_ok, expected))
+        .child(cell("cell-bytes mono", &bytes))
+}
+
+fn check_cell(language: Language, row: &Row, check_ok: bool, expected: &str) -> El {
+    let tag = |class: &str, text: &str| el("span").class(class).text(text);
+    let cell = el("span").class("cell-check");
+    if !check_ok {
+        return cell
+            .child(tag("tag bad", language.check_bad()))
+            .child(tag("expected", &language.check_expected(expected)));
+    }
+    let cell = cell.child(tag("tag ok", language.check_ok()));
+    if row.unanswered {
+        cell.child(tag("tag warn", language.unanswered()))
+    } else if row.orphan {
+        cell.child(tag("tag warn", language.orphan()))
+    } else {
+        cell
+    }
+}
