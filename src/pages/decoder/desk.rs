@@ -256,6 +256,11 @@ impl Desk {
         self.progress.with(|progress| progress.profile.as_deref().map(device::find))
     }
 
+    /// The same without following its changes.
+    pub(super) fn device_untracked(&self) -> Option<&'static device::Device> {
+        self.progress.with_untracked(|progress| progress.profile.as_deref().map(device::find))
+    }
+
     fn begin(&self, beside: &JsValue, keep: bool) {
         let reading = self.reading.get_value().wrapping_add(1);
         self.reading.set_value(reading);

@@ -3,7 +3,7 @@
 use buslens_analyst::message::{Look, Row, ToAnalyst};
 use buslens_codec::dissect::Direction;
 
-use super::frames::anatomy;
+use super::frames::Opened;
 use super::tools::copy;
 use crate::analyst;
 use crate::anatomy::Anatomy;
@@ -11,7 +11,8 @@ use crate::app::App;
 use crate::components::button::button;
 use crate::components::bytes::{byte_groups, lights};
 use crate::components::icon::{Icon, icon};
-use crate::diagnosis::{self, Severity, Told};
+use crate::device::Device;
+use crate::diagnosis::{self, Case, Severity, Told};
 use crate::dom::{El, el};
 use crate::format::{self, hex_spaced};
 use crate::reactive::*;
@@ -39,22 +40,22 @@ pub(super) fn detail(app: &'static App) -> El {
 
 fn card(app: &'static App, row: &Row) -> El {
     let language = app.language.get();
-    let found = anatomy(app, row);
+    let profile = app.decoder.device().map(Device::profile);
+    let Opened { request, dissection } = Opened::of(profile, row);
+    let (request, dissection) = (request.as_ref(), dissection.as_ref());
+    let found = Anatomy::of_dissection(language, profile, &row.bytes, row.mode, request, dissection);
     let lit = RwSignal::new(None);
     let place = if row.line > 0 { language.line_number(row.line) } else { String::new() };
     let offset = language.offset_is(&format::count(row.offset));
     let pair = row.pair;
     let header = el("header")
         .child(el("h2").say(app, Language::selected_frame))
-        .child(el("span").class("muted").text(&[&place, if place.is_empty() { "" } else { " · " }, &offset].concat()))
+        .child(el("span").class("muted").text(&[place.as_str(), if place.is_empty() { "" } else { " · " }, &offset].concat()))
         .child(el("span").class("space"))
         .children(pair.map(|pair| button(app, "quiet small", "to-pair", Language::to_pair).click(move || app.decoder.go_to(pair))))
         .child(copy_menu(app, row, &found));
-    let told: Vec<Told> = row
-        .diagnoses
-        .iter()
-        .map(|found| diagnosis::told(language, app.decoder.device().map(crate::device::Device::profile), found))
-        .collect();
+    let case = Case { profile, frame: &row.bytes, mode: row.mode, dissection, request };
+    let told: Vec<Told> = row.diagnoses.iter().map(|found| diagnosis::told(language, &case, found)).collect();
     let hint = || {
         let text = el("span").say(app, Language::reply_needs_request);
         el("p").class("note-line").child(icon(Icon::Info)).child(text)

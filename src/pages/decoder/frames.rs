@@ -1,13 +1,14 @@
 //! The list of frames.
 
 use buslens_analyst::message::Row;
-use buslens_codec::dissect::Direction;
+use buslens_codec::dissect::{Direction, Dissection, dissect_known};
 use buslens_codec::pdu::Request;
-use buslens_codec::profile::Known;
+use buslens_codec::profile::{Known, Profile};
 
-use crate::anatomy::{Anatomy, Facts};
+use crate::anatomy::Facts;
 use crate::app::App;
 use crate::components::list::{Source, list};
+use crate::device::Device;
 use crate::dom::{El, el};
 use crate::format::{self, hex_spaced};
 use crate::reactive::*;
@@ -63,25 +64,33 @@ fn stamp(app: &'static App, at: u32, row: &Row) -> u64 {
 }
 
 /// A row's frame taken apart.
-pub(super) fn anatomy(app: &'static App, row: &Row) -> Anatomy {
-    let language = app.language.get();
-    if !row.is_frame {
-        return Anatomy::of_noise(language, &row.bytes, row.mode);
-    }
-    let profile = app.decoder.device().map(crate::device::Device::profile);
-    let mut known = Known::default();
-    if let Some(profile) = profile {
-        for (function, address, value) in &row.told {
-            profile.decode_points(*function, *address, &[*value], &mut known);
+pub(super) struct Opened {
+    /// What it answers, if that is known.
+    pub(super) request: Option<Request>,
+    /// `None` for noise.
+    pub(super) dissection: Option<Dissection>,
+}
+
+impl Opened {
+    pub(super) fn of(profile: Option<&Profile>, row: &Row) -> Self {
+        let request = Request::decode(&row.request).ok();
+        let mut known = Known::default();
+        if let Some(profile) = profile {
+            for (function, address, value) in &row.told {
+                profile.decode_points(*function, *address, &[*value], &mut known);
+            }
         }
+        let taken = || dissect_known(&row.bytes, row.mode, row.direction, request.as_ref(), profile, &mut known);
+        let dissection = row.is_frame.then(taken).flatten();
+        Self { request, dissection }
     }
-    let request = Request::decode(&row.request).ok();
-    Anatomy::of(language, profile, &row.bytes, row.mode, row.direction, request.as_ref(), &mut known)
 }
 
 fn draw(app: &'static App, row: &Row) -> El {
     let language = app.language.get_untracked();
-    let found = anatomy(app, row);
+    let profile = app.decoder.device_untracked().map(Device::profile);
+    let opened = Opened::of(profile, row);
+    let facts = opened.dissection.as_ref().map(|found| Facts::of(language, profile, &row.bytes, found));
     let cell = |class: &str, text: &str| el("span").class(class).text(text);
     let time = row.time_us.map(format::clock).unwrap_or_default();
     let mut bytes = hex_spaced(&row.bytes[..row.bytes.len().min(BYTES)]);
@@ -92,7 +101,7 @@ fn draw(app: &'static App, row: &Row) -> El {
     let shell = shell
         .child(cell("cell-number number muted", &format::count(u64::from(row.index) + 1)))
         .child(cell("cell-time mono", &time));
-    let Some(Facts { direction, unit, function, meaning, check_ok, expected, .. }) = &found.facts else {
+    let Some(Facts { direction, unit, function, meaning, check_ok, expected, .. }) = &facts else {
         let tag = el("span").class("tag").text(language.noise());
         return shell
             .child(cell("cell-direction", ""))
