@@ -9,6 +9,9 @@ mod app;
 mod components;
 mod crash;
 mod device;
+// The pages that draw frames take it from here.
+#[allow(dead_code)]
+mod diagnosis;
 mod dom;
 mod engine;
 mod format;

@@ -44,11 +44,9 @@ pub(crate) fn decoder_page(app: &'static App) -> El {
         .live_one(move || empty.get().then(|| el("p").class("empty-page").say(app, Language::decoder_empty)))
         .live_one(move || {
             any.get().then(|| {
-                el("section")
-                    .class("card list-card")
-                    .child(tools::tools(app))
-                    .child(frames::frame_list(app))
-                    .live_one(move || none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty)))
+                el("section").class("card list-card").child(tools::tools(app)).child(frames::frame_list(app)).live_one(
+                    move || none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty)),
+                )
             })
         })
         .live_one(move || any.get().then(|| detail::detail(app)))

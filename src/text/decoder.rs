@@ -5,7 +5,7 @@ use super::texts;
 texts! {
     decoder_title => "Take frames apart" | "报文解析";
     decoder_input => "Frames, one or many, as hex or as ASCII text" | "报文（一条或多条），十六进制或 ASCII 文本";
-    decoder_placeholder => "Paste bytes here, for example 01 04 00 04 00 02 30 0A" | "在此粘贴字节，例如 01 04 00 04 00 02 30 0A";
+    decoder_placeholder => "Paste or drop anything that came off a line: hex in any spelling, ASCII frames, logs of other tools, hex dumps. For example 01 04 00 04 00 02 30 0A" | "可粘贴或拖入线路上的任何数据：各种写法的十六进制、ASCII 报文、其他工具的日志、十六进制转储。例如 01 04 00 04 00 02 30 0A";
     examples => "Examples:" | "示例：";
     example_request => "Request" | "请求";
     example_reply => "Reply −0.328 mm" | "应答 −0.328 mm";
@@ -29,46 +29,9 @@ texts! {
     noise_meaning => "belongs to no frame" | "不属于任何报文";
     no_frame => "bytes without a frame" | "无法组成报文的字节";
 
-    field_start => "start" | "起始符";
-    field_end => "end" | "结束符";
-    unit_is_broadcast => "broadcast address" | "广播地址";
-    unit_is_reserved => "reserved address" | "保留地址";
-    function => "Function code" | "功能码";
-    function_refused(name: &str) => "exception reply to: {name}" | "异常应答：{name}";
-    exception_word => "exception" | "异常";
-    exception_code => "Exception code" | "异常码";
-    exception_is(code: u8, name: &str) => "exception {code:02}: {name}" | "异常码 {code:02}：{name}";
-    register_address => "Register address" | "寄存器地址";
-    quantity => "Quantity" | "数量";
-    byte_count => "Byte count" | "字节数";
-    bytes_many(count: u8) => "{count} bytes" | "{count} 字节";
-    register => "Register" | "寄存器";
-    register_at(address: &str) => "register {address}" | "寄存器 {address}";
-    registers_from(quantity: u16, address: &str) => "{quantity} from register {address}" | "从寄存器 {address} 起 {quantity} 个";
-    signed_is(value: &str) => "signed: {value}" | "有符号数：{value}";
-    coil_value => "Coil value" | "线圈值";
-    coil_on => "on" | "接通";
-    coil_off => "off" | "断开";
-    data => "Data" | "数据";
-    value_invalid => "not allowed" | "不合法";
-    wrong_shape => "the frame's length does not fit its function" | "报文长度与功能码不符";
-    check_caption_ok(name: &str) => "{name} ok" | "{name} 正确";
-    check_wrong_expected(expected: &str) => "wrong, expected {expected}" | "错误，应为 {expected}";
-    list_comma => ", " | "，";
     unit_short => "Unit" | "地址";
-
-    function_1 => "read coils" | "读线圈";
-    function_2 => "read discrete inputs" | "读离散输入";
-    function_3 => "read holding registers" | "读保持寄存器";
-    function_4 => "read input registers" | "读输入寄存器";
-    function_5 => "write single coil" | "写单个线圈";
-    function_6 => "write single register" | "写单个寄存器";
-    function_15 => "write multiple coils" | "写多个线圈";
-    function_16 => "write multiple registers" | "写多个寄存器";
-    function_other => "unknown function" | "未知功能码";
 
     unexpected_character(character: char) => "“{character}” is not a hexadecimal digit" | "“{character}” 不是十六进制数字";
     odd_digits => "an odd number of digits: one is missing" | "数字个数为奇数，缺少一位";
-    pick_a_frame => "A frame taken apart: point at a byte or a row." | "报文逐字段解析：指向字节或表格行可互相对应。";
     reply_needs_request => "Put the request before the reply: only it tells which registers these are." | "请把请求放在应答之前，只有请求才说明这些是哪些寄存器。";
 }

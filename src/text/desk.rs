@@ -4,7 +4,6 @@ use super::texts;
 
 texts! {
     open_file => "Open file…" | "打开文件…";
-    drop_hint => "Paste or drop anything that came off a line: hex in any spelling, ASCII frames, logs of other tools, hex dumps." | "可粘贴或拖入线路上的任何数据：各种写法的十六进制、ASCII 报文、其他工具的日志、十六进制转储。";
     pasted_text => "Pasted text" | "粘贴的文本";
     size_bytes(size: &str) => "{size} bytes" | "{size} 字节";
     size_characters(size: &str) => "{size} characters" | "{size} 个字符";

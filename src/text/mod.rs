@@ -3,8 +3,10 @@
 //! [`texts!`] makes one method of [`Language`] from each line, so a missing translation or a wrong argument does not
 //! compile. A text without arguments is a `&'static str`, one with arguments a `String`.
 
+mod anatomy;
 mod decoder;
 mod desk;
+mod diagnosis;
 mod faults;
 mod live;
 mod shell;
@@ -81,7 +83,9 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, desk::ALL].into_iter().flatten()
+        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, anatomy::ALL, diagnosis::ALL, desk::ALL]
+            .into_iter()
+            .flatten()
     }
 
     /// The text without its `{arguments}`.
@@ -138,7 +142,7 @@ mod tests {
     fn chinese_is_set_with_full_width_marks_and_spaces_around_latin() {
         for (key, _, zh) in all() {
             // These arguments are Chinese themselves; the others are numbers, codes and names.
-            let zh = ["name", "supply", "plus", "minus", "a", "b"]
+            let zh = ["name", "names", "place", "supply", "plus", "minus", "a", "b"]
                 .iter()
                 .fold((*zh).to_owned(), |text, argument| text.replace(&format!("{{{argument}}}"), "字"));
             let text: Vec<char> = words(&zh.replace('{', "\u{1}{").replace('}', "}\u{1}")).chars().collect();

@@ -453,6 +453,9 @@ mod tests {
 
     #[test]
     fn codes_are_decimal_or_marked_hexadecimal() {
-        assert_eq!((code("16"), code(" 0x10 "), code("300"), code("x"), code("")), (Some(16), Some(16), None, None, None));
+        assert_eq!(
+            (code("16"), code(" 0x10 "), code("300"), code("x"), code("")),
+            (Some(16), Some(16), None, None, None)
+        );
     }
 }

@@ -50,9 +50,15 @@ fn card(app: &'static App, row: &Row) -> El {
     let pair = row.pair;
     let header = el("header")
         .child(el("h2").say(app, Language::selected_frame))
-        .child(el("span").class("muted").text(&[place.as_str(), if place.is_empty() { "" } else { " · " }, &offset].concat()))
+        .child(
+            el("span")
+                .class("muted")
+                .text(&[place.as_str(), if place.is_empty() { "" } else { " · " }, &offset].concat()),
+        )
         .child(el("span").class("space"))
-        .children(pair.map(|pair| button(app, "quiet small", "to-pair", Language::to_pair).click(move || app.decoder.go_to(pair))))
+        .children(pair.map(|pair| {
+            button(app, "quiet small", "to-pair", Language::to_pair).click(move || app.decoder.go_to(pair))
+        }))
         .child(copy_menu(app, row, &found));
     let case = Case { profile, frame: &row.bytes, mode: row.mode, dissection, request };
     let told: Vec<Told> = row.diagnoses.iter().map(|found| diagnosis::told(language, &case, found)).collect();
@@ -92,7 +98,11 @@ fn fields(app: &'static App, found: &Anatomy, lit: RwSignal<Option<usize>>) -> E
 fn bit_row(bits: &[crate::anatomy::Bit]) -> El {
     let boxes = bits.iter().map(|bit| {
         let class = if bit.on { "bit on" } else { "bit" };
-        el("span").class(class).attr("title", &bit.label).child(el("b").text(if bit.on { "1" } else { "0" })).child(el("small").text(&bit.label))
+        el("span")
+            .class(class)
+            .attr("title", &bit.label)
+            .child(el("b").text(if bit.on { "1" } else { "0" }))
+            .child(el("small").text(&bit.label))
     });
     el("div").class("bits").children(boxes)
 }
@@ -130,19 +140,25 @@ fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
     };
     let index = row.index;
     let json = button(app, "quiet small", "copy-json", Language::copy_json).click(move || {
-        let json = app.decoder.look.with_untracked(|look| look.as_ref().filter(|look| look.index == index).map(|look| look.json.clone()));
+        let json = app
+            .decoder
+            .look
+            .with_untracked(|look| look.as_ref().filter(|look| look.index == index).map(|look| look.json.clone()));
         if let Some(json) = json {
             copy(json, || ());
         }
     });
-    el("details").class("menu").child(el("summary").class("button quiet small").test("copy").say(app, Language::copy)).child(
-        el("div")
-            .class("menu-items")
-            .child(item("copy-hex", Language::copy_hex, hex_spaced(&row.bytes)))
-            .child(item("copy-c", Language::copy_c, format::c_array(&row.bytes)))
-            .child(json)
-            .child(item("copy-markdown", Language::copy_markdown, markdown(app, row, found))),
-    )
+    el("details")
+        .class("menu")
+        .child(el("summary").class("button quiet small").test("copy").say(app, Language::copy))
+        .child(
+            el("div")
+                .class("menu-items")
+                .child(item("copy-hex", Language::copy_hex, hex_spaced(&row.bytes)))
+                .child(item("copy-c", Language::copy_c, format::c_array(&row.bytes)))
+                .child(json)
+                .child(item("copy-markdown", Language::copy_markdown, markdown(app, row, found))),
+        )
 }
 
 /// A table of the fields, for an issue or a mail.
@@ -174,7 +190,9 @@ fn markdown(app: &'static App, row: &Row, found: &Anatomy) -> String {
 /// Every reading of the registers, and what would show a number.
 fn views(app: &'static App, index: u32) -> El {
     let desk = &app.decoder;
-    let look = Memo::new(move |_| desk.look.with(|look| look.clone().filter(|look| look.index == index && !look.views.is_empty())));
+    let look = Memo::new(move |_| {
+        desk.look.with(|look| look.clone().filter(|look| look.index == index && !look.views.is_empty()))
+    });
     let there = Memo::new(move |_| look.with(Option::is_some));
     el("div").class("contents").live_one(move || there.get().then(|| view_box(app, look)))
 }
@@ -232,7 +250,10 @@ fn view_tables(app: &'static App, look: &Look) -> Vec<El> {
     let language = app.language.get();
     let block = |register: &buslens_analyst::message::RegisterViews| {
         let cells = register.views.iter().map(|view| {
-            el("div").class("view").child(el("small").class("muted").text(&view.name)).child(el("span").class("mono").text(&view.text))
+            el("div")
+                .class("view")
+                .child(el("small").class("muted").text(&view.name))
+                .child(el("span").class("mono").text(&view.text))
         });
         el("div")
             .class("view-block")

@@ -79,7 +79,9 @@ fn field(app: &'static App) -> El {
 
 /// A text that is too long for the field pastes beside it: laying it out would hold up the page for seconds.
 fn pasted(desk: &Desk, event: &Event) {
-    let Some(text) = event.unchecked_ref::<Transfer>().clipboard().map(|clipboard| clipboard.text("text")) else { return };
+    let Some(text) = event.unchecked_ref::<Transfer>().clipboard().map(|clipboard| clipboard.text("text")) else {
+        return;
+    };
     if text.length() > LONGEST_TYPED {
         event.prevent_default();
         desk.read_long(&text);
@@ -113,11 +115,8 @@ fn dropped(desk: &Desk, event: &Event) {
 
 fn file_button(app: &'static App) -> El {
     let desk = &app.decoder;
-    let chooser = el("input")
-        .attr("type", "file")
-        .class("visually-hidden")
-        .test("decoder-file")
-        .on("change", move |event| {
+    let chooser =
+        el("input").attr("type", "file").class("visually-hidden").test("decoder-file").on("change", move |event| {
             let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
             let Some(chooser) = chosen else { return };
             if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
@@ -126,7 +125,11 @@ fn file_button(app: &'static App) -> El {
             // The same file can be chosen again.
             chooser.set_value("");
         });
-    el("label").class("button small file").child(icon(Icon::File)).child(el("span").say(app, Language::open_file)).child(chooser)
+    el("label")
+        .class("button small file")
+        .child(icon(Icon::File))
+        .child(el("span").say(app, Language::open_file))
+        .child(chooser)
 }
 
 /// A text that does not stand in the field.
@@ -134,9 +137,11 @@ fn document(app: &'static App) -> El {
     let desk = &app.decoder;
     let told = move || {
         let language = app.language.get();
-        desk.document.with(|document| document.as_ref().map(|document| description(language, document)).unwrap_or_default())
+        desk.document
+            .with(|document| document.as_ref().map(|document| description(language, document)).unwrap_or_default())
     };
-    let preview = move || desk.document.with(|document| document.as_ref().map(|found| found.preview.clone()).unwrap_or_default());
+    let preview =
+        move || desk.document.with(|document| document.as_ref().map(|found| found.preview.clone()).unwrap_or_default());
     let has_preview = Memo::new(move |_| !preview().is_empty());
     el("div")
         .class("document")
@@ -147,12 +152,15 @@ fn document(app: &'static App) -> El {
                 .child(icon(Icon::File))
                 .child(el("b").live_text(told))
                 .child(el("span").class("space"))
-                .child(button(app, "small", "close-document", Language::close_document).click(move || desk.close_document())),
+                .child(
+                    button(app, "small", "close-document", Language::close_document)
+                        .click(move || desk.close_document()),
+                ),
         )
         .live_one(move || {
-            has_preview.get().then(|| {
-                el("pre").attr("tabindex", "0").label(app, Language::begins_with).live_text(preview)
-            })
+            has_preview
+                .get()
+                .then(|| el("pre").attr("tabindex", "0").label(app, Language::begins_with).live_text(preview))
         })
 }
 
@@ -173,16 +181,22 @@ fn understood(app: &'static App) -> El {
     let busy = Memo::new(move |_| desk.progress.with(|progress| !progress.finished && progress.total > 0));
     let percent = Memo::new(move |_| desk.progress.with(|progress| percent(progress.done, progress.total)));
     let cancelled = Memo::new(move |_| desk.progress.with(|progress| progress.cancelled));
-    let forms = Memo::new(move |_| desk.progress.with(|progress| (progress.form, progress.alternative, progress.entries > 0)));
-    let faults = Memo::new(move |_| desk.progress.with(|progress| {
-        let first: Vec<IntakeError> = progress.faults.iter().take(FAULTS).copied().collect();
-        (first, progress.fault_count)
-    }));
+    let forms =
+        Memo::new(move |_| desk.progress.with(|progress| (progress.form, progress.alternative, progress.entries > 0)));
+    let faults = Memo::new(move |_| {
+        desk.progress.with(|progress| {
+            let first: Vec<IntakeError> = progress.faults.iter().take(FAULTS).copied().collect();
+            (first, progress.fault_count)
+        })
+    });
     el("div")
         .class("understood")
         .live_one(move || busy.get().then(|| progress_bar(app, percent)))
         .live_one(move || cancelled.get().then(|| note(app.language.get().stopped_at(percent.get()))))
-        .live_one(move || desk.unreadable.with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words)))))
+        .live_one(move || {
+            desk.unreadable
+                .with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words))))
+        })
         .live_one(move || match forms.get() {
             (Some(form), alternative, true) => Some(form_line(app, form, alternative)),
             _ => None,
@@ -205,7 +219,8 @@ fn form_line(app: &'static App, form: Form, alternative: Option<Form>) -> El {
     let desk = &app.decoder;
     let mut line = el("p").class("form-line muted").test("decoder-form").child(el("span").say(app, form_text(form)));
     if let Some(other) = alternative {
-        line = line.child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || desk.read_as(other)));
+        line = line
+            .child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || desk.read_as(other)));
     }
     line
 }

@@ -66,9 +66,8 @@ fn filter_bar(app: &'static App) -> El {
         .say(app, Language::filter_errors)
         .click(move || desk.errors_only.update(|on| *on = !*on));
     let filtered = Memo::new(move |_| desk.filter() != Filter::default());
-    let clear = move || {
-        button(app, "quiet small", "clear-filter", Language::clear_filter).click(move || desk.clear_filter())
-    };
+    let clear =
+        move || button(app, "quiet small", "clear-filter", Language::clear_filter).click(move || desk.clear_filter());
     el("div")
         .class("filters")
         .child(profile_select(app))
@@ -94,7 +93,11 @@ fn profile_select(app: &'static App) -> El {
             );
             let option = |value: &str, text: &str| el("option").attr("value", value).text(text);
             let devices = device::all().iter().map(|device| option(device.id(), device.name(language)));
-            [option(AUTO, &auto)].into_iter().chain(devices).chain([option(NO_PROFILE, language.profile_none())]).collect()
+            [option(AUTO, &auto)]
+                .into_iter()
+                .chain(devices)
+                .chain([option(NO_PROFILE, language.profile_none())])
+                .collect()
         })
         .live_value(move || {
             // New options forget what was chosen.
@@ -125,9 +128,8 @@ fn export_menu(app: &'static App) -> El {
 fn link_button(app: &'static App) -> El {
     let desk = &app.decoder;
     let copied = RwSignal::new(false);
-    let short = Memo::new(move |_| {
-        desk.document.with(Option::is_none) && desk.typed.with(|text| text.len() <= LONGEST_LINK)
-    });
+    let short =
+        Memo::new(move |_| desk.document.with(Option::is_none) && desk.typed.with(|text| text.len() <= LONGEST_LINK));
     bare("quiet small", "copy-link")
         .flag("disabled", move || !short.get())
         .live_text(move || {
@@ -176,7 +178,9 @@ const COUNTS: [Count; 8] = [
 pub(super) fn statistics(app: &'static App) -> El {
     let desk = &app.decoder;
     el("div").class("contents").live_one(move || {
-        desk.statistics.with(|statistics| statistics.as_ref().filter(|all| all.total != Tally::default()).map(|all| counts(app, all)))
+        desk.statistics.with(|statistics| {
+            statistics.as_ref().filter(|all| all.total != Tally::default()).map(|all| counts(app, all))
+        })
     })
 }
 
@@ -184,11 +188,16 @@ fn counts(app: &'static App, all: &Statistics) -> El {
     let language = app.language.get();
     let columns: Vec<(String, &Tally)> = [(language.all_units().to_owned(), &all.total)]
         .into_iter()
-        .chain(all.units.iter().filter(|_| all.units.len() > 1).take(16).map(|(unit, tally)| (language.unit_id(*unit), tally)))
+        .chain(
+            all.units
+                .iter()
+                .filter(|_| all.units.len() > 1)
+                .take(16)
+                .map(|(unit, tally)| (language.unit_id(*unit), tally)),
+        )
         .collect();
-    let head = el("tr")
-        .child(el("th").text(""))
-        .children(columns.iter().map(|(name, _)| el("th").class("number").text(name)));
+    let head =
+        el("tr").child(el("th").text("")).children(columns.iter().map(|(name, _)| el("th").class("number").text(name)));
     let rows = COUNTS.iter().map(|(name, count)| {
         let cells = columns.iter().map(|(_, tally)| {
             let count = count(tally);
@@ -198,11 +207,15 @@ fn counts(app: &'static App, all: &Statistics) -> El {
     });
     let table = el("table").class("counts-table").child(el("thead").child(head)).child(el("tbody").children(rows));
     let chips = |title: fn(Language) -> &'static str, items: Vec<(String, String)>| {
-        let items = items.into_iter().map(|(name, count)| el("span").class("chip-count").child(el("span").text(&name)).child(el("b").text(&count)));
+        let items = items.into_iter().map(|(name, count)| {
+            el("span").class("chip-count").child(el("span").text(&name)).child(el("b").text(&count))
+        });
         el("div").class("chips").child(el("span").class("muted").text(title(language))).children(items)
     };
-    let functions = all.functions.iter().map(|(code, count)| (format::hex(*code), format::count((*count).into()))).collect();
-    let diagnoses: Vec<_> = all.diagnoses.iter().map(|(id, count)| (id.clone(), format::count((*count).into()))).collect();
+    let functions =
+        all.functions.iter().map(|(code, count)| (format::hex(*code), format::count((*count).into()))).collect();
+    let diagnoses: Vec<_> =
+        all.diagnoses.iter().map(|(id, count)| (id.clone(), format::count((*count).into()))).collect();
     let mut card = el("section")
         .class("card statistics")
         .test("statistics")

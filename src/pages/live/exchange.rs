@@ -4,6 +4,7 @@ use crate::reactive::*;
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::pdu::Request;
+use buslens_codec::profile::Known;
 
 use crate::anatomy::{Anatomy, request_in};
 use crate::app::App;
@@ -25,19 +26,27 @@ pub(super) fn last_exchange(app: &'static App) -> El {
         .child(icon(Icon::Go));
     let header =
         el("header").child(el("h2").say(app, Language::last_exchange)).child(el("span").class("space")).child(open);
-    el("section").class("card exchange").child(header).live(move || frames.with(|frames| halves(app, frames)))
+    // What the device has told of scales and units since the page was opened or the device was chosen.
+    let (mut device, mut known) = (String::new(), Known::default());
+    el("section").class("card exchange").child(header).live(move || {
+        let chosen = app.settings.device().id();
+        if device != chosen {
+            (device, known) = (chosen.to_owned(), Known::default());
+        }
+        frames.with(|frames| halves(app, frames, &mut known))
+    })
 }
 
-fn halves(app: &'static App, frames: &Frames) -> Vec<El> {
+fn halves(app: &'static App, frames: &Frames, known: &mut Known) -> Vec<El> {
     let language = app.language.get();
     let profile = app.settings.device().profile();
     let mode = app.connection.with(|used| used.as_ref().map_or(Mode::Rtu, |used| used.mode));
     let request = request_in(&frames.sent, mode).map(|(_, request)| request);
-    let half = |class, name, bytes: &[u8], direction, request: Option<&Request>, empty| {
+    let mut half = |class, name, bytes: &[u8], direction, request: Option<&Request>, empty| {
         let shown = if bytes.is_empty() {
             el("p").class("empty").text(empty)
         } else {
-            let anatomy = Anatomy::of(language, profile, bytes, mode, direction, request);
+            let anatomy = Anatomy::of(language, Some(profile), bytes, mode, direction, request, known);
             byte_groups(&anatomy, RwSignal::new(None))
         };
         el("div").class("half").child(el("span").class(class).text(name)).child(shown)
