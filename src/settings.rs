@@ -120,13 +120,13 @@ impl Settings {
     }
 }
 
-/// A connection to the simulator: the device's factory settings at unit 1, whatever the fields say.
+/// A connection to the simulator: all settings as the device leaves the factory, whatever the fields say.
 pub(crate) fn demonstration(device: &Device) -> Connection {
     Connection {
         source: Source::Simulator,
         line: device.line(),
         mode: device.mode(),
-        unit: UnitId(1),
+        unit: UnitId(device.profile().unit),
         period_ms: device.period_ms(),
         profile: device.source().to_owned(),
     }

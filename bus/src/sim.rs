@@ -5,12 +5,23 @@
 //! the same line: `handle_settings`, `handle_bytes` and `handle_timeout` go in, `poll_transmit` and `poll_timeout` are
 //! drained afterwards.
 
+mod course;
+mod described;
 mod faults;
+mod gauge_cable;
+mod level;
 mod line;
 mod lvdt;
+mod sensor;
+mod server;
 mod station;
 
+pub use course::Course;
+pub use described::Described;
 pub use faults::Faults;
+pub use gauge_cable::GaugeCable;
+pub use level::Level;
 pub use line::Line;
 pub use lvdt::{Lvdt, Motion};
+pub use sensor::sensor;
 pub use station::{Device, Reply};

@@ -33,7 +33,8 @@ pub(super) struct Session {
 impl Session {
     /// Starts to open the port. A profile that does not load is refused.
     pub(super) fn start(engine: &Rc<Engine>, number: u32, connection: &Connection) -> Result<Self, OpenFault> {
-        let profile = Profile::from_json(&connection.profile).map_err(|error| OpenFault::Other(error.to_string()))?;
+        let port = make_port(engine, number, connection)?;
+        let profile = load_profile(connection)?;
         let groups = profile.live_groups();
         let mut master = Master::new(Config {
             response_timeout: Duration::from_millis(profile.timing.response_timeout_ms.into()),
@@ -49,7 +50,7 @@ impl Session {
         let mut session = Self {
             number,
             master,
-            port: make_port(engine, number, connection.source),
+            port,
             progress: Progress::new(profile, period),
             timer: Timer::new(move || {
                 if let Some(engine) = from_timer.upgrade() {
@@ -151,15 +152,19 @@ impl Session {
     }
 }
 
-fn make_port(engine: &Rc<Engine>, number: u32, source: Source) -> Box<dyn Port> {
+fn load_profile(connection: &Connection) -> Result<Profile, OpenFault> {
+    Profile::from_json(&connection.profile).map_err(|error| OpenFault::Other(error.to_string()))
+}
+
+fn make_port(engine: &Rc<Engine>, number: u32, connection: &Connection) -> Result<Box<dyn Port>, OpenFault> {
     let weak = Rc::downgrade(engine);
     let sink = move |event| {
         if let Some(engine) = weak.upgrade() {
             engine.take(Input::Port(number, event));
         }
     };
-    match source {
-        Source::Simulator => Box::new(SimulatedPort::new(sink)),
+    Ok(match connection.source {
+        Source::Simulator => Box::new(SimulatedPort::new(load_profile(connection)?, sink)),
         Source::Serial(id) => Box::new(WebSerialPort::new(id, sink)),
-    }
+    })
 }

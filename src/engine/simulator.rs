@@ -3,8 +3,9 @@
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
 
-use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_bus::sim::{Device, Line, sensor};
 use buslens_codec::line::LineSettings;
+use buslens_codec::profile::Profile;
 
 use super::port::{Port, PortEvent};
 use super::scope::{Timer, now};
@@ -12,13 +13,13 @@ use super::scope::{Timer, now};
 /// Any number will do; a fixed one makes every demonstration the same.
 const SEED: u64 = 0x0B05_1E45;
 
-/// A line with one sensor with factory settings at unit 1.
+/// A line with one sensor that has its factory settings.
 pub(super) struct SimulatedPort {
     state: Rc<RefCell<State>>,
 }
 
 struct State {
-    line: Line<Lvdt>,
+    line: Line<Box<dyn Device>>,
     open: bool,
     /// Told at the next turn of the event loop, as a browser does.
     news: Vec<PortEvent>,
@@ -27,8 +28,9 @@ struct State {
 }
 
 impl SimulatedPort {
-    pub(super) fn new(sink: impl Fn(PortEvent) + 'static) -> Self {
-        let line = Line::new([Lvdt::new(1, Motion::Swing)], SEED);
+    /// The sensor is the one that `profile` describes.
+    pub(super) fn new(profile: Profile, sink: impl Fn(PortEvent) + 'static) -> Self {
+        let line = Line::new([sensor(profile, now())], SEED);
         let state = State { line, open: false, news: Vec::new(), sink: Rc::new(sink), timer: None };
         let state = Rc::new(RefCell::new(state));
         let weak = Rc::downgrade(&state);

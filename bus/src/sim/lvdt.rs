@@ -5,17 +5,15 @@ use core::time::Duration;
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 
+use super::course::swing;
+use super::server::{
+    ILLEGAL_ADDRESS, ILLEGAL_FUNCTION, ILLEGAL_VALUE, answer, pause, read_reply, word, written_registers,
+};
 use super::station::{Device, Reply};
 use crate::time::Instant;
 
 /// Deaf after power-on and after a factory reset (section 1.1, note 2).
 const START_UP: Duration = Duration::from_millis(1500);
-/// From the end of a request to the start of the answer. The manual does not say; a fast sensor of this kind needs so much.
-const THINKING: Duration = Duration::from_millis(4);
-
-const ILLEGAL_FUNCTION: u8 = 1;
-const ILLEGAL_ADDRESS: u8 = 2;
-const ILLEGAL_VALUE: u8 = 3;
 
 /// How the probe moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,12 +136,11 @@ impl Lvdt {
     }
 
     /// All values are checked before any is written.
-    fn write_holding(&mut self, address: u16, data: &[u8]) -> Result<(), u8> {
+    fn write_holding(&mut self, address: u16, values: &[u16]) -> Result<(), u8> {
         let mut changed = self.parameters;
-        for (offset, pair) in (0u16..).zip(data.chunks_exact(2)) {
+        for (offset, &value) in (0u16..).zip(values) {
             let register = address.checked_add(offset).ok_or(ILLEGAL_ADDRESS)?;
             let (parameter, values) = changed.at(register).ok_or(ILLEGAL_ADDRESS)?;
-            let value = u16::from_be_bytes([pair[0], pair[1]]);
             if !values.contains(&value) {
                 return Err(ILLEGAL_VALUE);
             }
@@ -230,35 +227,23 @@ impl Device for Lvdt {
         }
         let (line, mode) = (self.line(), self.mode());
         let (&function, data) = pdu.split_first()?;
-        let answer = match (function, data) {
+        let result = match (function, data) {
             (3, &[a, b, c, d]) => self.read_holding(word(a, b), word(c, d)),
             (4, &[a, b, c, d]) => self.read_input(now, word(a, b), word(c, d)),
             (5, &[a, b, c, d]) => self.write_coil(now, word(a, b), word(c, d)).map(|()| pdu.to_vec()),
             (0x10, &[a, b, c, d, count, ref values @ ..]) => {
-                let quantity = usize::from(word(c, d));
-                let whole =
-                    (1..=123).contains(&quantity) && values.len() == quantity * 2 && values.len() == usize::from(count);
-                let written = if whole { self.write_holding(word(a, b), values) } else { Err(ILLEGAL_VALUE) };
+                let values = written_registers(word(c, d), count, values).ok_or(ILLEGAL_VALUE);
+                let written = values.and_then(|values| self.write_holding(word(a, b), &values));
                 written.map(|()| pdu[..5].to_vec())
             }
             // A request of the wrong length is no request.
             (3..=5 | 0x10, _) => return None,
             _ => Err(ILLEGAL_FUNCTION),
         };
-        let pdu = answer.unwrap_or_else(|code| vec![function | 0x80, code]);
+        let pdu = answer(function, result);
         let (line, mode) = if self.answers_at_new_settings { (self.line(), self.mode()) } else { (line, mode) };
-        let after = line.frame_gap().max(THINKING);
-        Some(Reply { unit, pdu, after, line, mode })
+        Some(Reply { unit, pdu, after: pause(line), line, mode })
     }
-}
-
-fn word(high: u8, low: u8) -> u16 {
-    u16::from_be_bytes([high, low])
-}
-
-fn read_reply(function: u8, registers: &[u16]) -> Vec<u8> {
-    let bytes: Vec<u8> = registers.iter().flat_map(|register| register.to_be_bytes()).collect();
-    [&[function, u8::try_from(bytes.len()).unwrap_or(u8::MAX)], bytes.as_slice()].concat()
 }
 
 /// Table 4: bit 15 is the sign, the rest whole millimetres.
@@ -269,13 +254,4 @@ fn sign_magnitude_high(micrometres: i32) -> u16 {
 
 fn thousandths(micrometres: i32) -> u16 {
     u16::try_from(micrometres.unsigned_abs() % 1000).unwrap_or(0)
-}
-
-/// A smooth swing of +-`amplitude` with a period of `period` microseconds: two parabolas, close to a sine.
-fn swing(micros: u64, period: u64, amplitude: i32) -> i32 {
-    let half = period / 2;
-    let phase = micros % period;
-    let (x, sign) = if phase < half { (phase, 1) } else { (phase - half, -1) };
-    let height = i128::from(x) * i128::from(half.saturating_sub(x)) * 4 * i128::from(amplitude);
-    sign * i32::try_from(height / (i128::from(half) * i128::from(half)).max(1)).unwrap_or(0)
 }

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_bus::sim::{Device, Line, Lvdt, Motion};
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Config, Event, Exchange, Job, LinkEvent, LinkOrder, Master, Poll};
 use buslens_codec::UnitId;
@@ -13,11 +13,13 @@ use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::pdu::{Request, Response};
 
 pub const FACTORY: LineSettings = LineSettings::new(9600, Parity::Even);
+/// When a bench begins.
+pub const START: Instant = Instant::from_micros(10_000_000);
 pub const BOTH: Request = Request::ReadInputRegisters { address: 2, quantity: 4 };
 
-pub struct Bench {
+pub struct Bench<D: Device = Lvdt> {
     pub master: Master,
-    pub line: Line<Lvdt>,
+    pub line: Line<D>,
     pub now: Instant,
     pub events: Vec<Event>,
     /// The port does not open while this is set.
@@ -27,17 +29,7 @@ pub struct Bench {
 impl Bench {
     /// A sensor at unit 1 that rests at -0.328 mm and 25.5 degC, and an open link.
     pub fn new(config: Config) -> Self {
-        let sensor = Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 });
-        let mut bench = Self {
-            master: Master::new(config),
-            line: Line::new([sensor], 7),
-            now: Instant::from_micros(10_000_000),
-            events: Vec::new(),
-            unplugged: false,
-        };
-        bench.master.connect(bench.now);
-        bench.settle();
-        bench
+        Self::with(config, Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 }))
     }
 
     pub fn factory() -> Self {
@@ -47,9 +39,32 @@ impl Bench {
     pub fn rest_at(&mut self, micrometres: i32) {
         self.sensor().motion = Motion::Rest { micrometres, decidegrees: 255 };
     }
+}
 
-    pub fn sensor(&mut self) -> &mut Lvdt {
+impl<D: Device> Bench<D> {
+    /// One device alone on the line, and an open link.
+    pub fn with(config: Config, device: D) -> Self {
+        let mut bench = Self {
+            master: Master::new(config),
+            line: Line::new([device], 7),
+            now: START,
+            events: Vec::new(),
+            unplugged: false,
+        };
+        bench.master.connect(bench.now);
+        bench.settle();
+        bench
+    }
+
+    pub fn sensor(&mut self) -> &mut D {
         self.line.device_mut(0).unwrap()
+    }
+
+    /// Opens the port anew with other settings.
+    pub fn reopen(&mut self, line: LineSettings, mode: Mode) {
+        self.master = Master::new(Config::new(line, mode));
+        self.master.connect(self.now);
+        self.settle();
     }
 
     pub fn poll_every(&mut self, period: Duration, requests: impl Into<Vec<Request>>) {
