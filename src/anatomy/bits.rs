@@ -67,19 +67,16 @@ impl Words<'_> {
         };
         match bits {
             [] => String::new(),
-            [_, _, ..] if bits.iter().all(|bit| *bit) => t.all_on().to_owned(),
-            [_, _, ..] if bits.iter().all(|bit| !*bit) => t.all_off().to_owned(),
-            _ => {
-                let mut parts = Vec::new();
-                if bits.contains(&true) {
-                    parts.push(t.are_on(&list(true)));
-                }
-                if bits.contains(&false) {
-                    parts.push(t.are_off(&list(false)));
-                }
-                parts.join(t.list_pause())
-            }
+            [bit] => [&self.bit_name(function, first, skipped), " ", self.state(*bit)].concat(),
+            _ if !bits.contains(&false) => t.all_on().to_owned(),
+            _ if !bits.contains(&true) => t.all_off().to_owned(),
+            _ => [&t.are_on(&list(true)), t.list_pause(), &t.are_off(&list(false))].concat(),
         }
+    }
+
+    /// On or off.
+    pub(super) fn state(self, bit: bool) -> &'static str {
+        if bit { self.language.coil_on() } else { self.language.coil_off() }
     }
 
     /// A coil's or an input's address, with its name under the profile.

@@ -4,7 +4,7 @@ use buslens_codec::dissect::{Check, Direction, Dissection, FieldKind, NamedValue
 use buslens_codec::pdu::{Request, SubFunction};
 
 use super::bits::{binary, labelled, set_bits};
-use super::{Part, Words, address_text, check_texts, legible, names};
+use super::{Part, Words, address_text, capital, check_texts, legible, names};
 use crate::device::pick;
 use crate::format::{self, hex, hex_spaced};
 
@@ -205,7 +205,7 @@ impl Words<'_> {
                     (None, None) => t.register().to_owned(),
                 };
                 let text = value.to_string();
-                let mut part = at.part("data", &name, &text, &meaning, &text);
+                let mut part = at.part("data", &capital(&name), &text, &meaning, &text);
                 part.registers.push(value);
                 part
             }

@@ -229,6 +229,15 @@ pub(crate) fn legible(bytes: &[u8]) -> String {
     text
 }
 
+/// A text as the name of a part, with a capital letter.
+fn capital(text: &str) -> String {
+    let mut text = text.to_owned();
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text
+}
+
 /// The first few of a list, and how many more there are.
 fn shortened(language: Language, mut list: Vec<String>, separator: &str, most: usize) -> String {
     let more = list.len().saturating_sub(most);
@@ -318,8 +327,8 @@ mod tests {
         assert_eq!(zh(&[0x05, 0, 0x50, 0xFF, 0], None), "位移清零/取消清零：位移清零");
         assert_eq!(en(&[0x10, 0, 0x31, 0, 1, 2, 0, 7], None), "Baud rate 115200\u{A0}Bd");
         assert_eq!(zh(&[0x10, 0, 0x32, 0, 1, 2, 0, 2], None), "奇偶校验：偶校验");
-        assert_eq!(en(&[0x84, 2], Some(&request)), "exception 02: wrong register address");
-        assert_eq!(zh(&[0x84, 2], Some(&request)), "异常码 02：寄存器地址错误");
+        assert_eq!(en(&[0x84, 2], Some(&request)), "exception 02: wrong data address");
+        assert_eq!(zh(&[0x84, 2], Some(&request)), "异常码 02：数据地址错误");
         assert_eq!(en(&[0x03, 0, 0x70, 0, 2], None), "2 registers from 0x0070");
     }
 
@@ -351,7 +360,7 @@ mod tests {
     fn half_a_value_says_what_it_is_a_half_of() {
         let request = Request::ReadInputRegisters { address: 4, quantity: 1 };
         let found = of_device("lvdt", Language::En, &[0x04, 2, 0x80, 0x01], Some(&request));
-        assert_eq!(told(&found)[1], ["register 0x0004", "32769", "a part of Displacement, which takes 2 registers"]);
+        assert_eq!(told(&found)[1], ["Register 0x0004", "32769", "a part of Displacement, which takes 2 registers"]);
         let found = of_device("lvdt", Language::Zh, &[0x04, 2, 0x80, 0x01], Some(&request));
         assert_eq!(told(&found)[1][2], "只是位移的一部分，完整值占 2 个寄存器");
     }
@@ -436,6 +445,12 @@ mod tests {
             meaning(&taken(Language::Zh, &[0x05, 0, 0xAC, 0xFF, 0], Direction::Request, None)),
             "线圈 0x00AC 接通"
         );
+        assert_eq!(
+            meaning(&taken(Language::En, &[0x0F, 0, 3, 0, 1, 1, 0], Direction::Request, None)),
+            "coil 0x0003 off"
+        );
+        let one = Request::ReadCoils { address: 3, quantity: 1 };
+        assert_eq!(meaning(&taken(Language::Zh, &[0x01, 1, 1], Direction::Response, Some(&one))), "0x0003 接通");
         let found = taken(Language::En, &[0x0F, 0, 0x13, 0, 10, 2, 0xFF, 0x03], Direction::Request, None);
         assert_eq!(meaning(&found), "10 coils from 0x0013: all on");
         let found = taken(Language::Zh, &[0x0F, 0, 0x13, 0, 10], Direction::Response, None);
@@ -455,8 +470,8 @@ mod tests {
     fn registers_tell_their_signed_value() {
         let request = Request::ReadHoldingRegisters { address: 0x6B, quantity: 2 };
         let found = taken(Language::En, &[0x03, 4, 0xFF, 0xFE, 0, 7], Direction::Response, Some(&request));
-        assert_eq!(told(&found)[1], ["register 0x006B", "65534", "signed: \u{2212}2"]);
-        assert_eq!(told(&found)[2], ["register 0x006C", "7", ""]);
+        assert_eq!(told(&found)[1], ["Register 0x006B", "65534", "signed: \u{2212}2"]);
+        assert_eq!(told(&found)[2], ["Register 0x006C", "7", ""]);
         assert_eq!(found.parts[3].registers, [0xFFFE]);
         assert_eq!(meaning(&found), "FFFE 0007");
         assert_eq!(meaning(&taken(Language::En, &[0x06, 0, 1, 0, 3], Direction::Request, None)), "register 0x0001 = 3");
@@ -545,8 +560,8 @@ mod tests {
         let reply = [0x14, 10, 5, 6, 0x0D, 0xFE, 0, 0x20, 3, 6, 0x33, 0xCD];
         let found = taken(Language::En, &reply, Direction::Response, Some(&request));
         let names: Vec<&str> = told(&found).iter().map(|part| part[0]).collect();
-        assert_eq!(names[3..5], ["file 4, record 1", "file 4, record 2"]);
-        assert_eq!(names[7], "file 3, record 9");
+        assert_eq!(names[3..5], ["File 4, record 1", "File 4, record 2"]);
+        assert_eq!(names[7], "File 3, record 9");
         let found = taken(Language::Zh, &reply, Direction::Response, None);
         assert_eq!(told(&found)[3][0], "寄存器");
         let write = [0x15, 13, 6, 0, 4, 0, 7, 0, 3, 6, 0xAF, 4, 0xBE, 0x10, 0x0D];
@@ -575,7 +590,7 @@ mod tests {
         assert_eq!(meaning(&found), "6 registers from 0x0003; writes 3 registers from 0x000E");
         let names: Vec<&str> = told(&found).iter().map(|part| part[0]).collect();
         assert_eq!(names[..4], ["Address to read", "Quantity to read", "Address to write", "Quantity to write"]);
-        assert_eq!(names[5], "register 0x000E");
+        assert_eq!(names[5], "Register 0x000E");
         let request = Request::ReadFifoQueue { address: 0x04DE };
         let found = taken(Language::Zh, &[0x18, 0, 6, 0, 2, 1, 0xB8, 0x12, 0x84], Direction::Response, Some(&request));
         assert_eq!(meaning(&found), "队列中有 2 个：01B8 1284");
@@ -761,7 +776,7 @@ mod tests {
         let found =
             Anatomy::of(Language::En, Some(&profile), &frame, Mode::Rtu, Direction::Response, Some(&request), known);
         assert_covers(&found);
-        assert_eq!(told(&found)[1], ["register 0x0001", "Low 3, High 5", ""]);
+        assert_eq!(told(&found)[1], ["Register 0x0001", "Low 3, High 5", ""]);
         assert_eq!(meaning(&found), "Low 3, High 5");
     }
 }

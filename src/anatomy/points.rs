@@ -6,7 +6,7 @@ use buslens_codec::dissect::NamedValue;
 use buslens_codec::profile::{Code, Point, Role};
 use buslens_codec::value::{Value, ValueError};
 
-use super::{Part, Words, address_text, shortened};
+use super::{Part, Words, address_text, capital, shortened};
 use crate::device::{pick, value_text};
 use crate::format::{hex_spaced, signed};
 use crate::text::Language;
@@ -37,7 +37,7 @@ impl<'a> Words<'a> {
         } else {
             let all: Vec<String> = points.iter().map(|(point, named)| self.sentence(point, named)).collect();
             let all = all.join(self.language.list_comma());
-            Part::new(range, kind, &place, &all, "", &all)
+            Part::new(range, kind, &capital(&place), &all, "", &all)
         };
         part.registers.clone_from(&longest.raw);
         Some(part)

@@ -34,7 +34,7 @@ impl Words<'_> {
                 self.asked(found)
             }
             0x03 | 0x04 => hex_words(self, &found.registers),
-            0x05 => self.named_place(found, if found.bits == [true] { t.coil_on() } else { t.coil_off() }),
+            0x05 | 0x0F if found.bits.len() == 1 => self.named_place(found, self.state(found.bits == [true])),
             0x06 => self.named_place(found, &["= ", &first(&found.registers).to_string()].concat()),
             0x07 | 0x08 | 0x0B | 0x0C | 0x11 | 0x14 | 0x15 | 0x2B => self.of_fields(found),
             0x0F => {

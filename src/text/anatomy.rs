@@ -65,7 +65,7 @@ texts! {
     exception_status => "Exception status" | "异常状态";
     bits_set(list: &str) => "bits set: {list}" | "置 1 的位：{list}";
     bits_clear => "no bit is set" | "各位均为 0";
-    bits_are_the_makers => "what they mean, the device's maker says" | "各位的含义由设备厂家定义";
+    bits_are_the_makers => "the device's maker says what they mean" | "各位的含义由设备厂家定义";
     sub_function => "Sub-function" | "子功能码";
     diagnostic_data => "Diagnostic data" | "诊断数据";
     log_is_cleared => "clears the event log too" | "同时清除通信事件记录";

@@ -80,11 +80,12 @@ texts! {
     exception(code: u8) => "The sensor answers with exception {code:02}" | "传感器返回异常码 {code:02}";
     exception_what(unit: u8, function: u8, name: &str) => "Unit {unit} is there and understands the frame, but refuses function {function:02}: {name}." | "地址 {unit} 的设备在线，也能识别报文，但拒绝了功能码 {function:02}：{name}。";
     exception_1 => "function not supported" | "不支持该功能码";
-    exception_2 => "wrong register address" | "寄存器地址错误";
+    exception_2 => "wrong data address" | "数据地址错误";
     exception_3 => "value out of range" | "数值超出范围";
     exception_4 => "device failure" | "设备故障";
     exception_5 => "accepted, still working" | "已接受，正在处理";
     exception_6 => "device busy" | "设备忙";
+    exception_7 => "negative acknowledge" | "否定应答";
     exception_8 => "memory parity error" | "存储器奇偶校验错误";
     exception_10 => "gateway path unavailable" | "网关路径不可用";
     exception_11 => "target behind the gateway does not answer" | "网关后的目标设备没有应答";
@@ -117,6 +118,7 @@ impl super::Language {
             4 => self.exception_4(),
             5 => self.exception_5(),
             6 => self.exception_6(),
+            7 => self.exception_7(),
             8 => self.exception_8(),
             10 => self.exception_10(),
             11 => self.exception_11(),

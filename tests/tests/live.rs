@@ -190,7 +190,7 @@ async fn an_exception_is_told_by_name() {
     page.set_line(9600, Parity::None).await;
     page.connect().await;
     let fault = page.fault("exception").await;
-    assert!(fault.contains("02") && fault.contains("register address"), "{fault}");
+    assert!(fault.contains("02") && fault.contains("data address"), "{fault}");
     page.wait_for(State::Failing).await;
 }
 
