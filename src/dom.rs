@@ -238,6 +238,13 @@ pub(crate) fn is_open(event: &Event) -> bool {
     event.target().and_then(|target| Reflect::get(&target, &"open".into()).ok()).is_some_and(|open| open.is_truthy())
 }
 
+/// An attribute of the innermost element around an event's target that has it.
+pub(crate) fn attribute_around(event: &Event, name: &str) -> Option<String> {
+    let target = event.target()?.dyn_into::<Element>().ok()?;
+    // An attribute's name in brackets is a selector.
+    target.closest(&["[", name, "]"].concat()).ok()??.get_attribute(name)
+}
+
 /// The key of a keyboard's event, as `ArrowDown`; empty for other events.
 pub(crate) fn key(event: &Event) -> String {
     event.dyn_ref::<KeyboardEvent>().map(KeyboardEvent::key).unwrap_or_default()

@@ -24,8 +24,8 @@ pub(crate) struct Source {
     pub(crate) total: Memo<u32>,
     /// Changes whenever rows have become other ones or have come in.
     pub(crate) turn: RwSignal<u32>,
-    /// A row's content, or `None` until it is there. The number tells contents apart: a row whose number has not changed
-    /// is not drawn anew.
+    /// A row's content, or `None` until it is there; nothing in it may listen or follow signals. The number tells contents
+    /// apart: a row whose number has not changed is not drawn anew.
     pub(crate) row: fn(&'static App, u32) -> Option<(u64, El)>,
     /// Told which rows will be looked at.
     pub(crate) want: fn(&'static App, Range<u32>),
@@ -55,10 +55,16 @@ pub(crate) fn list(app: &'static App, class: &str, label: Label, head: El, sourc
         shown: RefCell::new(Vec::new()),
     });
     let frame = {
-        let (scrolled, keyed) = (Rc::clone(&painter), Rc::clone(&painter));
-        frame.on("scroll", move |_| scrolled.paint()).on("keydown", move |event| {
+        let (scrolled, keyed, clicked) = (Rc::clone(&painter), Rc::clone(&painter), Rc::clone(&source));
+        let frame = frame.on("scroll", move |_| scrolled.paint()).on("keydown", move |event| {
             if keyed.key(&dom::key(&event)) {
                 event.prevent_default();
+            }
+        });
+        // Rows come and go too fast to listen each for itself.
+        frame.on("click", move |event| {
+            if let Some(row) = dom::attribute_around(&event, "data-row").and_then(|row| row.parse().ok()) {
+                clicked.chosen.set(row);
             }
         })
     };
@@ -135,13 +141,13 @@ impl Painter {
     fn draw(&self, row: u32, content: Option<(u64, El)>, chosen: bool) -> Drawn {
         let number = content.as_ref().map(|(number, _)| *number);
         let element = content.map_or_else(|| el("div").class("list-row waiting"), |(_, element)| element);
-        let source = Rc::clone(&self.source);
+        let hook = self.source.hook;
         let element = element
             .attr("role", "option")
-            .attr("id", &row_id(source.hook, row))
-            .test(if number.is_some() { source.hook } else { "" })
-            .attr("aria-selected", if chosen { "true" } else { "false" })
-            .click(move || source.chosen.set(row));
+            .attr("id", &row_id(hook, row))
+            .attr("data-row", &row.to_string())
+            .test(if number.is_some() { hook } else { "" })
+            .attr("aria-selected", if chosen { "true" } else { "false" });
         self.canvas.append(&element);
         Drawn { row, content: number, chosen, element }
     }

@@ -35,6 +35,7 @@ async fn every_frame_of_the_manuals_comes_out_right() {
     let bench = bench().await;
     let page = DecoderPage::open(&bench.browser).await;
     page.catch_files().await;
+    page.paste("01 03 00 31 00 01 D5 C5").await;
     for line in include_str!("../../codec/tests/data/manual_frames.csv").lines().skip(1) {
         let columns: Vec<&str> = line.split(',').collect();
         let (device, mode, direction, frame) = (columns[0], columns[1], columns[2], columns[3]);
@@ -166,9 +167,9 @@ async fn a_log_is_filtered_counted_and_saved() {
 async fn what_the_device_shows_finds_its_encoding() {
     let bench = bench().await;
     let page = DecoderPage::open(&bench.browser).await;
-    bench.browser.choose("decoder-profile", "none").await;
     page.paste("0C 04 00 04 00 02 31 17\n0C 04 04 80 00 01 48 0F 22").await;
     page.rows(2).await;
+    bench.browser.choose("decoder-profile", "none").await;
     bench.browser.click_nth("frame-row", 1).await;
     bench.browser.click("views").await;
     bench.browser.fill("shown-value", "-0.328").await;

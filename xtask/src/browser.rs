@@ -1,7 +1,7 @@
 //! What browser tests need: a browser, the site on a port, and the permission to use serial ports there.
 
 use std::path::Path;
-use std::process;
+use std::process::{self, Command};
 use std::sync::{Mutex, PoisonError};
 use std::{env, fs, io};
 
@@ -63,11 +63,22 @@ pub(crate) fn photos(options: site::Options) -> Result<()> {
     let stage = Stage::new(options)?;
     let album = machine::root().join("target/photos");
     fs::create_dir_all(&album)?;
-    let mut cargo = machine::cargo();
-    cargo.args(["run", "--locked", "--release", "--package", "buslens-tests", "--bin", "photos", "--"]);
-    machine::run(cargo.arg(stage.url()).arg(&album))?;
+    machine::run(program("photos").arg(stage.url()).arg(&album))?;
     println!("pictures: {}", album.display());
     Ok(())
+}
+
+/// Measures the page.
+pub(crate) fn measure(options: site::Options) -> Result<()> {
+    let stage = Stage::new(options)?;
+    machine::run(program("measure").arg(stage.url()))
+}
+
+/// A program that drives the browser.
+fn program(name: &str) -> Command {
+    let mut cargo = machine::cargo();
+    cargo.args(["run", "--locked", "--release", "--package", "buslens-tests", "--bin", name, "--"]);
+    cargo
 }
 
 /// A policy of the browser that grants all serial ports to one origin. It is taken back when this is dropped, and when

@@ -24,8 +24,9 @@ cargo xtask <command> [options]
   serve            build, then serve dist/ on localhost
   test             check and test everything; the last line sums it up
   photos           build, then take pictures of every page into target/photos/
+  bench            measure the codec beside its peers, then the page in the browser
 
-  --debian-std     build, serve, test, photos: compile the wasm target's standard library from Debian's
+  --debian-std     all but bench's first part: compile the wasm target's standard library from Debian's
                    packages, even where the target is installed
   --symbols        build, serve: keep function names in the wasm file, for debugging
   --port <number>  serve: first port to try (8460)
@@ -48,6 +49,7 @@ enum Task {
     Serve(site::Options, u16),
     Test(site::Options, Vec<Step>),
     Photos(site::Options),
+    Bench(site::Options),
 }
 
 impl Task {
@@ -83,6 +85,7 @@ impl Task {
             "serve" => Ok(Self::Serve(options, port.unwrap_or(serve::PORT))),
             "test" => Ok(Self::Test(options, if only.is_empty() { Step::ALL.to_vec() } else { only })),
             "photos" => Ok(Self::Photos(options)),
+            "bench" => Ok(Self::Bench(options)),
             "" => Ok(Self::Help),
             other => bail!("there is no command `{other}`\n\n{HELP}"),
         }
@@ -106,6 +109,17 @@ impl Task {
             }
             Self::Test(options, steps) => return Ok(check::run(options, &steps)),
             Self::Photos(options) => browser::photos(options)?,
+            Self::Bench(options) => {
+                machine::run(machine::cargo().args([
+                    "bench",
+                    "--locked",
+                    "--package",
+                    "buslens-bench",
+                    "--bench",
+                    "ratios",
+                ]))?;
+                browser::measure(options)?;
+            }
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -1,0 +1,114 @@
+//! Measures what a user feels on the Decoder page, in the real browser: `measure <address of the site>`. Each figure stands
+//! beside its target; nothing fails by time here, because a busy machine is no fault of the page.
+
+use std::env;
+use std::time::Instant;
+
+use buslens_analyst::Desk;
+use buslens_analyst::message::ProfileChoice;
+use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_tests::pages::DecoderPage;
+use buslens_tests::testbed::{Bench, Look, Wire};
+
+/// An exchange as a line-by-line log of bare bytes, 63 characters.
+const EXCHANGE: &str = "01 04 00 02 00 04 50 09\n01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1\n";
+const EXCHANGES: usize = 166_000;
+
+#[tokio::main]
+async fn main() {
+    let site = env::args().nth(1).expect("measure <address of the site>");
+    let line = Line::new([Lvdt::new(1, Motion::Swing)], 1);
+    let bench = Bench::at(&site, Wire::new(line), Look::default()).await;
+    let page = DecoderPage::open_at(&bench.browser, &site).await;
+    println!("{:<52}{:>12}{:>14}", "Decoder page", "measured", "target");
+    pasted_text(&bench, &page).await;
+    scrolled_list(&bench, &page).await;
+}
+
+fn row(name: &str, measured: f64, unit: &str, target: &str) {
+    println!("{name:<52}{:>12}{target:>14}", format!("{measured:.1} {unit}"));
+}
+
+/// Ten megabytes of pasted text.
+async fn pasted_text(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
+    // The page's own program is warm: what is measured is the text.
+    page.paste(EXCHANGE).await;
+    page.rows(2).await;
+    bench
+        .browser
+        .run(
+            "globalThis.longest = 0; globalThis.firstRow = 0; globalThis.all = 0;
+             new PerformanceObserver((list) => list.getEntries().forEach((task) => longest = Math.max(longest, task.duration)))
+               .observe({ type: 'longtask' });
+             const look = () => {
+               const count = document.querySelector('[data-test=frame-count]')?.textContent.replace(/\\D/g, '') ?? '';
+               const drawn = document.querySelectorAll('[data-test=frame-row]').length;
+               if (!firstRow && count.length > 2 && drawn > 10) firstRow = performance.now();
+               if (!all && count === '332000') all = performance.now();
+               if (!all) requestAnimationFrame(look);
+             };
+             requestAnimationFrame(look);",
+        )
+        .await;
+    let text = format!("{EXCHANGE:?}.repeat({EXCHANGES})");
+    let pasted = page.paste_expression(&text).await;
+    let all = bench.browser.wait_for("globalThis.all").await.as_f64().expect("a time");
+    let first = bench.browser.run("return firstRow").await.as_f64().expect("a time");
+    let longest = bench.browser.run("return longest").await.as_f64().expect("a time");
+    row("10 MB pasted: first rows on screen", first - pasted, "ms", "300 ms");
+    row("10 MB pasted: all of it", all - pasted, "ms", "2000 ms");
+    row("10 MB pasted: longest task of the page", longest, "ms", "50 ms");
+    let native = native_reading();
+    row("the same read natively by the same code", native, "ms", "");
+    row("page against native", (all - pasted) / native, "x", "2.5 x");
+}
+
+/// The analyst's work on the same text on this machine, in milliseconds: the best of five.
+fn native_reading() -> f64 {
+    let text = EXCHANGE.repeat(EXCHANGES);
+    let once = || {
+        let mut desk = Desk::new();
+        desk.choose(ProfileChoice::Auto);
+        let start = Instant::now();
+        desk.begin(1, None, text.len() as u64);
+        for part in text.as_bytes().chunks(256 << 10) {
+            desk.push(std::str::from_utf8(part).expect("plain text"), part.len() as u64);
+        }
+        desk.finish();
+        start.elapsed().as_secs_f64() * 1000.0
+    };
+    (0..5).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+/// A million rows, scrolled for some seconds.
+async fn scrolled_list(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
+    bench.browser.click("close-document").await;
+    page.drop_file("million.txt", "'0104000200045009\\n'.repeat(1e6)").await;
+    page.wait_for_entries("1000000").await;
+    bench.browser.wait_for("document.querySelector('[data-test=statistics]')").await;
+    let frames = bench
+        .browser
+        .run_async(
+            "const frame = document.querySelector('.list-frame');
+             const times = [];
+             let last = performance.now(), speed = 37;
+             const step = (now) => {
+               times.push(now - last);
+               last = now;
+               frame.scrollTop += speed;
+               if (times.length % 60 === 0) speed = speed === 37 ? 997 : speed === 997 ? 100003 : 37;
+               if (times.length < 600) requestAnimationFrame(step);
+               else done(times.slice(5).sort((a, b) => a - b));
+             };
+             requestAnimationFrame(step);",
+        )
+        .await;
+    let frames: Vec<f64> = frames.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
+    let at = |part: f64| {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+        let place = (frames.len() as f64 * part) as usize;
+        frames.get(place.min(frames.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+    };
+    row("1 000 000 rows scrolled: median frame", at(0.5), "ms", "");
+    row("1 000 000 rows scrolled: 99th percentile frame", at(0.99), "ms", "20 ms");
+}
