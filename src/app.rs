@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use wasm_bindgen::JsCast;
 
 use crate::components::shell::{rail, top_bar};
@@ -23,7 +23,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Puts the page into the document.
 pub(crate) fn start() {
-    run_forever(build);
+    crate::reactive::run_forever(build);
 }
 
 /// What every part of the page may look at. Signals only: free of JS handles.

@@ -8,7 +8,7 @@
 
 use std::any::Any;
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, Element, Event, EventTarget, HtmlElement, KeyboardEvent, Node, Url};

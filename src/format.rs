@@ -82,11 +82,8 @@ pub(crate) fn clock(time_us: u64) -> String {
     push(seconds / 60 % 60, 2, ":");
     push(seconds % 60, 2, ":");
     let tenths = of_day % 1_000_000 / 100;
-    if tenths.is_multiple_of(10) {
-        push(tenths / 10, 3, ".")
-    } else {
-        push(tenths, 4, ".")
-    }
+    let (fraction, width) = if tenths.is_multiple_of(10) { (tenths / 10, 3) } else { (tenths, 4) };
+    push(fraction, width, ".");
     text
 }
 

@@ -1,6 +1,6 @@
 //! Which page is shown: the part of the address after `#`.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use wasm_bindgen::JsValue;
 
 use crate::dom::on_window;

@@ -1,6 +1,6 @@
 //! What the user has set for the connection: one remembered string a field, and what the strings mean.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::UnitId;
 use buslens_codec::line::{DataBits, LineSettings, Mode, Parity, StopBits};
 

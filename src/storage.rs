@@ -1,6 +1,6 @@
 //! What the page remembers on this computer: one string a key. Where the browser forbids it, nothing is remembered.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use crate::dom::react;
 

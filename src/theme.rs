@@ -1,6 +1,6 @@
 //! Light or dark: `data-theme` on `<html>` sets the colour scheme, the tokens in `style/` follow.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use crate::dom::react;
 use crate::storage;

@@ -22,7 +22,7 @@ pub(crate) struct Scales {
 impl Scales {
     /// The single registers of a profile that tell something about other points.
     pub(crate) fn tellers(profile: &Profile) -> Vec<(u8, u16)> {
-        let ids = profile.points.iter().flat_map(|point| point.refers_to());
+        let ids = profile.points.iter().flat_map(buslens_codec::profile::Point::refers_to);
         let points = ids.filter_map(|id| profile.point(id));
         let mut tellers: Vec<(u8, u16)> = points
             .filter(|point| point.encoding.registers() == 1)

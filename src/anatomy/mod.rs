@@ -752,6 +752,8 @@ mod tests {
                     let found =
                         Anatomy::of(Language::Zh, Some(profile("lvdt")), &frame, Mode::Rtu, direction, None, known);
                     assert_covers(&found);
+                    let noise = Anatomy::of_dissection(Language::En, None, &frame, Mode::Rtu, None, None);
+                    assert_covers(&noise);
                 }
             }
         }

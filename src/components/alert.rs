@@ -1,6 +1,6 @@
 //! A fault as sentences: what happened, what to try, and buttons that really help.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use super::button::button;
 use super::icon::{Icon, icon};

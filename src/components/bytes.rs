@@ -1,6 +1,6 @@
 //! Bytes coloured by what they are, in groups that belong together, each with a few words below.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use crate::anatomy::Anatomy;
 use crate::dom::{El, el};

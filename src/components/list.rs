@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use crate::app::App;
 use crate::dom::{self, El, el};
-use crate::reactive::*;
-use crate::text::Language;
+use crate::reactive::prelude::*;
+use crate::text::Label;
 
 /// Height of a row in pixels; the style sheet draws them so.
 const ROW: f64 = 32.0;
@@ -36,13 +36,7 @@ pub(crate) struct Source {
 }
 
 /// The list, below a head that does not scroll.
-pub(crate) fn list(
-    app: &'static App,
-    class: &str,
-    label: fn(Language) -> &'static str,
-    head: El,
-    source: Source,
-) -> El {
+pub(crate) fn list(app: &'static App, class: &str, label: Label, head: El, source: Source) -> El {
     let source = Rc::new(source);
     let canvas = el("div").class("list-canvas").attr("role", "presentation");
     let frame =

@@ -1,6 +1,6 @@
 //! The rail with the pages and the top bar that always tells port, settings, state and round trip.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::line::Mode;
 
 use super::button::{bare, button};

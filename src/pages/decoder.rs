@@ -8,7 +8,7 @@ mod tools;
 
 use crate::app::App;
 use crate::dom::{self, El, el};
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use crate::route::{self, Route};
 use crate::text::Language;
 
@@ -44,9 +44,13 @@ pub(crate) fn decoder_page(app: &'static App) -> El {
         .live_one(move || empty.get().then(|| el("p").class("empty-page").say(app, Language::decoder_empty)))
         .live_one(move || {
             any.get().then(|| {
-                el("section").class("card list-card").child(tools::tools(app)).child(frames::frame_list(app)).live_one(
-                    move || none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty)),
-                )
+                el("section")
+                    .class("card list-card")
+                    .children(tools::tools(app))
+                    .child(frames::frame_list(app))
+                    .live_one(move || {
+                        none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty))
+                    })
             })
         })
         .live_one(move || any.get().then(|| detail::detail(app)))

@@ -75,7 +75,7 @@ texts! {
     fits_none => "No encoding of these registers gives this number." | "这些寄存器的任何编码都得不到该数值。";
     encoding => "Encoding" | "编码";
     decimals => "Decimals" | "小数位";
-    from_register => "From register" | "起始寄存器";
+    first_register => "From register" | "起始寄存器";
     nth_register(number: u32) => "register {number} of the frame" | "报文第 {number} 个寄存器";
 
     statistics => "Counts" | "统计";

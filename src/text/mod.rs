@@ -11,6 +11,9 @@ mod faults;
 mod live;
 mod shell;
 
+/// A text of the page that takes no arguments.
+pub(crate) type Label = fn(Language) -> &'static str;
+
 /// The languages of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Language {

@@ -10,7 +10,7 @@ use wasm_bindgen::{JsCast, JsValue};
 use crate::analyst;
 use crate::app::App;
 use crate::device;
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use crate::storage::{self, kept};
 
 /// Rows that are asked for together.
@@ -83,7 +83,7 @@ pub(crate) struct Document {
 #[derive(Clone, Debug, Default)]
 struct Pages {
     edition: u32,
-    pages: Vec<(u32, Vec<Row>)>,
+    known: Vec<(u32, Vec<Row>)>,
     /// Pages that were asked for, and how many rows there were to be had then.
     asked: Vec<(u32, u32)>,
 }
@@ -317,7 +317,7 @@ impl Desk {
 
 impl Pages {
     fn row(&self, at: u32) -> Option<&Row> {
-        let (_, rows) = self.pages.iter().find(|(page, _)| *page == at / PAGE)?;
+        let (_, rows) = self.known.iter().find(|(page, _)| *page == at / PAGE)?;
         rows.get((at % PAGE) as usize)
     }
 
@@ -330,7 +330,7 @@ impl Pages {
         let mut missing = Vec::new();
         for page in wanted {
             let full = shown.saturating_sub(page * PAGE).min(PAGE);
-            let known = self.pages.iter().find(|(known, _)| *known == page).map_or(0, |(_, rows)| rows.len());
+            let known = self.known.iter().find(|(known, _)| *known == page).map_or(0, |(_, rows)| rows.len());
             let asked = self.asked.iter().any(|(asked, at)| (*asked, *at) == (page, full));
             if known < full as usize && !asked {
                 self.asked.retain(|(asked, _)| *asked != page);
@@ -348,11 +348,11 @@ impl Pages {
         }
         let page = from / PAGE;
         self.asked.retain(|(asked, _)| *asked != page);
-        self.pages.retain(|(known, _)| *known != page);
-        if self.pages.len() >= MOST_PAGES {
-            self.pages.remove(0);
+        self.known.retain(|(known, _)| *known != page);
+        if self.known.len() >= MOST_PAGES {
+            self.known.remove(0);
         }
-        self.pages.push((page, rows));
+        self.known.push((page, rows));
         true
     }
 
@@ -367,7 +367,7 @@ impl Pages {
     }
 
     fn forget(&mut self) {
-        self.pages.clear();
+        self.known.clear();
         self.asked.clear();
     }
 }
@@ -447,7 +447,7 @@ mod tests {
         for page in 0..100 {
             pages.take(rows(0, page * PAGE, PAGE));
         }
-        assert_eq!(pages.pages.len(), MOST_PAGES);
+        assert_eq!(pages.known.len(), MOST_PAGES);
         assert!(pages.row(99 * PAGE).is_some() && pages.row(0).is_none());
     }
 

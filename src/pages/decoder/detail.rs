@@ -15,12 +15,9 @@ use crate::device::Device;
 use crate::diagnosis::{self, Case, Severity, Told};
 use crate::dom::{El, el};
 use crate::format::{self, hex_spaced};
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use crate::route::decoder_link;
-use crate::text::Language;
-
-/// A text of the page.
-type Label = fn(Language) -> &'static str;
+use crate::text::{Label, Language};
 
 /// The card of the chosen row, if there is one.
 pub(super) fn detail(app: &'static App) -> El {
@@ -136,7 +133,7 @@ fn diagnoses(app: &'static App, told: &[Told]) -> El {
 
 fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
     let item = |hook: &str, text: Label, content: String| {
-        button(app, "quiet small", hook, text).click(move || copy(content.clone(), || ()))
+        button(app, "quiet small", hook, text).click(move || copy(&content, || ()))
     };
     let index = row.index;
     let json = button(app, "quiet small", "copy-json", Language::copy_json).click(move || {
@@ -145,7 +142,7 @@ fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
             .look
             .with_untracked(|look| look.as_ref().filter(|look| look.index == index).map(|look| look.json.clone()));
         if let Some(json) = json {
-            copy(json, || ());
+            copy(&json, || ());
         }
     });
     el("details")
@@ -240,7 +237,7 @@ fn fit_lines(app: &'static App, look: &Look) -> Vec<El> {
             .child(el("td").class("number").text(&fit.decimals.to_string()))
             .child(el("td").text(&language.nth_register(fit.offset + 1)))
     });
-    let heads = [("", Language::encoding as Label), ("number", Language::decimals), ("", Language::from_register)];
+    let heads = [("", Language::encoding as Label), ("number", Language::decimals), ("", Language::first_register)];
     let heads = heads.into_iter().map(|(class, text)| el("th").class(class).text(text(language)));
     let head = el("thead").child(el("tr").children(heads));
     vec![el("div").class("scroll").child(el("table").class("fits").child(head).child(el("tbody").children(rows)))]

@@ -11,8 +11,8 @@ use crate::components::list::{Source, list};
 use crate::device::Device;
 use crate::dom::{El, el};
 use crate::format::{self, hex_spaced};
-use crate::reactive::*;
-use crate::text::Language;
+use crate::reactive::prelude::*;
+use crate::text::{Label, Language};
 
 /// Bytes of a row that are drawn; the rest is cut off by the row's edge anyway.
 const BYTES: usize = 64;
@@ -20,8 +20,8 @@ const BYTES: usize = 64;
 /// The list with its head.
 pub(super) fn frame_list(app: &'static App) -> El {
     let desk = &app.decoder;
-    let heads: [(&str, fn(Language) -> &'static str); 6] = [
-        ("cell-direction", Language::direction),
+    let heads = [
+        ("cell-direction", Language::direction as Label),
         ("cell-unit number", Language::unit_short),
         ("cell-function", Language::function),
         ("cell-meaning", Language::meaning),

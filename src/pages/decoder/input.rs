@@ -12,15 +12,15 @@ use crate::components::button::{button, icon_button};
 use crate::components::icon::{Icon, icon};
 use crate::dom::{El, el};
 use crate::format;
-use crate::reactive::*;
-use crate::text::Language;
+use crate::reactive::prelude::*;
+use crate::text::{Label, Language};
 use buslens_analyst::message::ToAnalyst;
 
 /// Places that could not be read that are shown.
 const FAULTS: usize = 3;
 
 /// Texts to begin with: name for the tests, label, text. A reply stands behind its request, which alone tells its registers.
-const EXAMPLES: [(&str, fn(Language) -> &'static str, &str); 4] = [
+const EXAMPLES: [(&str, Label, &str); 4] = [
     ("request", Language::example_request, "0C 04 00 04 00 02 31 17"),
     ("reply", Language::example_reply, "0C 04 00 04 00 02 31 17\n0C 04 04 80 00 01 48 0F 22"),
     ("exception", Language::example_exception, "0C 04 00 04 00 01 71 16\n0C 84 02 53 02"),
@@ -192,7 +192,7 @@ fn understood(app: &'static App) -> El {
     el("div")
         .class("understood")
         .live_one(move || busy.get().then(|| progress_bar(app, percent)))
-        .live_one(move || cancelled.get().then(|| note(app.language.get().stopped_at(percent.get()))))
+        .live_one(move || cancelled.get().then(|| note(&app.language.get().stopped_at(percent.get()))))
         .live_one(move || {
             desk.unreadable
                 .with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words))))
@@ -225,7 +225,7 @@ fn form_line(app: &'static App, form: Form, alternative: Option<Form>) -> El {
     line
 }
 
-fn form_text(form: Form) -> fn(Language) -> &'static str {
+fn form_text(form: Form) -> Label {
     match form {
         Form::Hex => Language::read_as_hex,
         Form::Decimal => Language::read_as_decimal,
@@ -236,7 +236,7 @@ fn form_text(form: Form) -> fn(Language) -> &'static str {
     }
 }
 
-fn instead_text(form: Form) -> fn(Language) -> &'static str {
+fn instead_text(form: Form) -> Label {
     match form {
         Form::Hex => Language::instead_hex,
         Form::Decimal => Language::instead_decimal,
@@ -251,7 +251,7 @@ fn fault_lines(language: Language, first: &[IntakeError], count: u64) -> Vec<El>
     let mut lines: Vec<El> = first.iter().map(|fault| fault_line(&fault_text(language, *fault))).collect();
     let more = count.saturating_sub(first.len() as u64);
     if more > 0 {
-        lines.push(note(language.faults_more(&format::count(more))));
+        lines.push(note(&language.faults_more(&format::count(more))));
     }
     lines
 }
@@ -261,8 +261,8 @@ fn fault_line(text: &str) -> El {
     line.child(icon(Icon::Fault)).child(el("span").text(text))
 }
 
-fn note(text: String) -> El {
-    el("p").class("form-line muted").text(&text)
+fn note(text: &str) -> El {
+    el("p").class("form-line muted").text(text)
 }
 
 fn fault_text(language: Language, error: IntakeError) -> String {
@@ -278,7 +278,7 @@ fn fault_text(language: Language, error: IntakeError) -> String {
 }
 
 fn percent(done: u64, total: u64) -> u32 {
-    let percent = if total == 0 { 100 } else { done.saturating_mul(100) / total };
+    let percent = done.saturating_mul(100).checked_div(total).unwrap_or(100);
     u32::try_from(percent).unwrap_or(100)
 }
 

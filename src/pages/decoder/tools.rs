@@ -10,15 +10,15 @@ use crate::components::button::{bare, button};
 use crate::device;
 use crate::dom::{self, El, el};
 use crate::format;
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use crate::route;
-use crate::text::Language;
+use crate::text::{Label, Language};
 
 /// The longest text in characters that a link holds; browsers and mail programs cut longer ones.
 const LONGEST_LINK: usize = 8000;
 
 /// The head of the list's card.
-pub(super) fn tools(app: &'static App) -> El {
+pub(super) fn tools(app: &'static App) -> [El; 2] {
     let desk = &app.decoder;
     let counts = move || {
         let (shown, all) = desk.progress.with(|progress| (progress.shown, progress.entries));
@@ -31,7 +31,7 @@ pub(super) fn tools(app: &'static App) -> El {
         .child(el("span").class("space"))
         .child(link_button(app))
         .child(export_menu(app));
-    el("div").class("contents").child(header).child(filter_bar(app))
+    [header, filter_bar(app)]
 }
 
 fn filter_bar(app: &'static App) -> El {
@@ -51,7 +51,7 @@ fn filter_bar(app: &'static App) -> El {
             desk.send_filter();
         }
     });
-    let input = |class: &str, hook: &'static str, label: fn(Language) -> &'static str, value: RwSignal<String>| {
+    let input = |class: &str, hook: &'static str, label: Label, value: RwSignal<String>| {
         el("input")
             .class(class)
             .attr("autocomplete", "off")
@@ -109,7 +109,7 @@ fn profile_select(app: &'static App) -> El {
 }
 
 fn export_menu(app: &'static App) -> El {
-    let item = |hook: &str, text: fn(Language) -> &'static str, format: Format| {
+    let item = |hook: &str, text: Label, format: Format| {
         button(app, "quiet small", hook, text).click(move || analyst::send(&ToAnalyst::Export(format)))
     };
     el("details")
@@ -146,13 +146,13 @@ fn link_button(app: &'static App) -> El {
         })
         .click(move || {
             let link = route::text_link(&desk.typed.get_untracked());
-            copy(link, move || copied.set(true));
+            copy(&link, move || copied.set(true));
         })
 }
 
 /// Puts a text on the clipboard.
-pub(super) fn copy(text: String, done: impl FnOnce() + 'static) {
-    let written = window().navigator().clipboard().write_text(&text);
+pub(super) fn copy(text: &str, done: impl FnOnce() + 'static) {
+    let written = window().navigator().clipboard().write_text(text);
     spawn_local(async move {
         if JsFuture::from(written).await.is_ok() {
             done();
@@ -161,7 +161,7 @@ pub(super) fn copy(text: String, done: impl FnOnce() + 'static) {
 }
 
 /// A row of the table of counts: its name, and the count.
-type Count = (fn(Language) -> &'static str, fn(&Tally) -> u64);
+type Count = (Label, fn(&Tally) -> u64);
 
 const COUNTS: [Count; 8] = [
     (Language::count_frames, |tally| tally.frames.into()),
@@ -206,7 +206,7 @@ fn counts(app: &'static App, all: &Statistics) -> El {
         el("tr").child(el("td").text(name(language))).children(cells)
     });
     let table = el("table").class("counts-table").child(el("thead").child(head)).child(el("tbody").children(rows));
-    let chips = |title: fn(Language) -> &'static str, items: Vec<(String, String)>| {
+    let chips = |title: Label, items: Vec<(String, String)>| {
         let items = items.into_iter().map(|(name, count)| {
             el("span").class("chip-count").child(el("span").text(&name)).child(el("b").text(&count))
         });
@@ -217,7 +217,7 @@ fn counts(app: &'static App, all: &Statistics) -> El {
     let diagnoses: Vec<_> =
         all.diagnoses.iter().map(|(id, count)| (id.clone(), format::count((*count).into()))).collect();
     let mut card = el("section")
-        .class("card statistics")
+        .class("card counts-card")
         .test("statistics")
         .child(el("header").child(el("h2").text(language.statistics())))
         .child(el("div").class("scroll").child(table))

@@ -1,6 +1,6 @@
 //! Not connected: the card with the settings and one obvious next action, and beside it how the device is wired.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::line::{DataBits, Mode, StopBits};
 use wasm_bindgen_futures::spawn_local;
 

@@ -1,6 +1,6 @@
 //! The connection in numbers.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_bus::Counters;
 
 use crate::app::{App, Phase};

@@ -1,6 +1,6 @@
 //! The last exchange byte by byte.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::pdu::Request;

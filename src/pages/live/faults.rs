@@ -6,7 +6,7 @@ use crate::app::App;
 use crate::components::alert::{Fault, Remedy};
 use crate::components::shell::mode_name;
 use crate::message::{OpenFault, Trouble};
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use crate::serial::{PickFault, SerialMissing};
 use crate::text::Language;
 

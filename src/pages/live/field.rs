@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use crate::app::App;
 use crate::dom::{El, el};

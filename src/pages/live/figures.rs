@@ -1,6 +1,6 @@
 //! The readings: large figures with unit and statistics. Old ones are dimmed and say how old they are.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::profile::Point;
 
 use crate::app::{App, Phase};

@@ -9,7 +9,7 @@ mod figures;
 mod trend_strip;
 mod wiring;
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 
 use crate::app::{App, Phase};
 use crate::components::alert::{Fault, fault_panel};

@@ -1,6 +1,6 @@
 //! The last minute as a moving curve. Drawn anew at each tick of the page's clock, never oftener.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::profile::Point;
 
 use crate::app::App;

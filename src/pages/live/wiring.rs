@@ -1,6 +1,6 @@
 //! How the device is wired, drawn from its profile, and three steps to the first reading.
 
-use crate::reactive::*;
+use crate::reactive::prelude::*;
 use buslens_codec::profile::Wire;
 
 use crate::app::App;

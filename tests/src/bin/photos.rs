@@ -94,7 +94,7 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
         }
         Scene::DecoderError => {
             let page = DecoderPage::open_at(browser, site).await;
-            page.paste("01 03 00 31 00 01 D5 C5\n01 03 02 00 0x xyz").await;
+            page.paste("01 03 00 31 00 01 D5 C5 01 03 02 00 07 F9 8G").await;
             page.error().await;
         }
         Scene::Crash => {

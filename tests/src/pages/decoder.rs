@@ -115,7 +115,7 @@ impl<'a> DecoderPage<'a> {
         self.browser.wait_for(&format!("{rows}.length === {count}")).await;
         let texts = self.browser.run(&format!("return {rows}.map((row) => row.innerText)")).await;
         let texts = texts.as_array().cloned().unwrap_or_default();
-        let plain = |text: &str| text.replace('\u{a0}', " ").replace('\n', " ");
+        let plain = |text: &str| text.replace(['\u{a0}', '\n'], " ");
         texts.iter().filter_map(|text| Some(plain(text.as_str()?))).collect()
     }
 }
