@@ -9,8 +9,6 @@ mod app;
 mod components;
 mod crash;
 mod device;
-// The pages that draw frames take it from here.
-#[allow(dead_code)]
 mod diagnosis;
 mod dom;
 mod engine;

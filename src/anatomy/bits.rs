@@ -18,7 +18,7 @@ pub(crate) struct Bit {
 }
 
 /// The bits of a register with their positions, the highest first.
-pub(crate) fn bits_of(value: u16) -> [(u8, bool); 16] {
+pub(super) fn bits_of(value: u16) -> [(u8, bool); 16] {
     let mut bits = [(0, false); 16];
     for (position, bit) in (0_u8..16).rev().zip(&mut bits) {
         *bit = (position, value >> position & 1 == 1);

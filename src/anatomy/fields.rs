@@ -248,11 +248,12 @@ impl Words<'_> {
                 });
                 let kept = kept.unwrap_or_default();
                 part.bits = Some(labelled(mask, 16, &|position| {
-                    if kept >> position & 1 == 1 {
-                        t.bit_stays().to_owned()
-                    } else {
-                        t.bit_becomes(u8::from(mask >> position & 1 == 1))
-                    }
+                    let label = match (kept >> position & 1, mask >> position & 1) {
+                        (1, _) => t.bit_stays(),
+                        (_, 1) => "→ 1",
+                        _ => "→ 0",
+                    };
+                    label.to_owned()
                 }));
                 part
             }

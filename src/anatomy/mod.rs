@@ -18,8 +18,6 @@ use crate::format::{self, hex, hex_spaced};
 use crate::text::Language;
 
 pub(crate) use bits::Bit;
-#[allow(unused_imports)] // the pages ask for the bits of a register
-pub(crate) use bits::bits_of;
 pub(crate) use names::function_name;
 pub(crate) use points::{allowed, place_name, push_bracketed};
 
@@ -70,7 +68,7 @@ pub(crate) struct Part {
     pub(crate) meaning: String,
     /// The shortest useful words, to stand under the bytes.
     pub(crate) caption: String,
-    /// Of flags: every bit, the highest first. The bits of a register are told by [`bits_of`].
+    /// Of flags: every bit, the highest first.
     pub(crate) bits: Option<Vec<Bit>>,
     /// Of registers: what they hold.
     pub(crate) registers: Vec<u16>,
@@ -431,7 +429,7 @@ mod tests {
         let bits = found.parts[4].bits.as_ref().unwrap();
         assert_eq!(bits.len(), 8);
         assert_eq!((bits[7].position, bits[7].on, &*bits[7].label), (0, true, "0x001B"));
-        assert_eq!((bits[0].position, &*bits[0].label), (7, "fills up the byte"));
+        assert_eq!((bits[0].position, &*bits[0].label), (7, "unused"));
         let found = taken(Language::Zh, &[0x02, 1, 0x00], Direction::Response, None);
         assert_eq!(meaning(&found), "全部断开");
         assert!(found.lacks_request());
@@ -577,7 +575,7 @@ mod tests {
         assert_eq!(meaning(&found), "register 0x0004: AND 0x00F2, OR 0x0025");
         assert_eq!(told(&found)[1][1], "0000 0000 1111 0010");
         let bits = found.parts[4].bits.as_ref().unwrap();
-        assert_eq!((&*bits[15].label, &*bits[14].label, &*bits[12].label), ("becomes 1", "stays", "becomes 0"));
+        assert_eq!((&*bits[15].label, &*bits[14].label, &*bits[12].label), ("→ 1", "stays", "→ 0"));
         let found = taken(Language::Zh, &[0x16, 0, 4, 0, 0xF2, 0, 0x25], Direction::Request, None);
         assert_eq!(meaning(&found), "寄存器 0x0004：与 0x00F2，或 0x0025");
     }
@@ -677,7 +675,7 @@ mod tests {
 
     #[test]
     fn bits_of_a_register_come_highest_first() {
-        let bits = bits_of(0x8001);
+        let bits = bits::bits_of(0x8001);
         assert_eq!((bits[0], bits[1], bits[15]), ((15, true), (14, false), (0, true)));
     }
 

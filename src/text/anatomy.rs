@@ -52,7 +52,7 @@ texts! {
     are_off(list: &str) => "off: {list}" | "断开：{list}";
     all_on => "all on" | "全部接通";
     all_off => "all off" | "全部断开";
-    bit_fills_up => "fills up the byte" | "填充位";
+    bit_fills_up => "unused" | "填充";
 
     value_invalid => "not allowed" | "不合法";
     value_takes(allowed: &str) => "not allowed; it takes {allowed}" | "不在允许范围内；允许值：{allowed}";
@@ -118,8 +118,7 @@ texts! {
     or_mask => "OR mask" | "或掩码";
     or_mask_is => "new values of the bits that do not stay" | "不保持的各位的新值";
     bit_stays => "stays" | "保持";
-    bit_is_set => "set by the OR mask" | "由或掩码设定";
-    bit_becomes(value: u8) => "becomes {value}" | "变为 {value}";
+    bit_is_set => "by OR" | "由或掩码";
     and_or(and: &str, or: &str) => "AND {and}, OR {or}" | "与 {and}，或 {or}";
     writes_too(place: &str) => "writes {place}" | "写入：{place}";
     queue_count => "Queue count" | "队列计数";
