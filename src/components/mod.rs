@@ -3,5 +3,6 @@
 pub(crate) mod alert;
 pub(crate) mod button;
 pub(crate) mod bytes;
+pub(crate) mod field;
 pub(crate) mod icon;
 pub(crate) mod shell;
