@@ -326,7 +326,7 @@ fn address_text(address: u16) -> String {
 }
 
 /// What a function does, in the standard's words.
-fn function_name(language: Language, function: u8) -> &'static str {
+pub(crate) fn function_name(language: Language, function: u8) -> &'static str {
     match function {
         1 => language.function_1(),
         2 => language.function_2(),

@@ -5,6 +5,8 @@
 mod adapter;
 mod anatomy;
 mod app;
+mod builder;
+mod clipboard;
 mod components;
 mod crash;
 mod device;

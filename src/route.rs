@@ -15,6 +15,8 @@ pub(crate) enum Route {
         /// The frames as written in the address.
         frames: Vec<String>,
     },
+    /// `#/builder`.
+    Builder,
 }
 
 impl Route {
@@ -26,6 +28,7 @@ impl Route {
                 let frames = query.split('&').filter_map(|pair| pair.strip_prefix("frame="));
                 Self::Decoder { frames: frames.filter(|frame| !frame.is_empty()).map(str::to_owned).collect() }
             }
+            "builder" => Self::Builder,
             _ => Self::Live,
         }
     }
@@ -71,6 +74,11 @@ mod tests {
         for hash in ["", "#", "#/live", "#/nowhere", "#live?frame=00"] {
             assert_eq!(Route::parse(hash), Route::Live, "{hash}");
         }
+    }
+
+    #[test]
+    fn the_builder_has_an_address() {
+        assert_eq!(Route::parse("#/builder"), Route::Builder);
     }
 
     #[test]

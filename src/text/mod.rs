@@ -3,6 +3,7 @@
 //! [`texts!`] makes one method of [`Language`] from each line, so a missing translation or a wrong argument does not
 //! compile. A text without arguments is a `&'static str`, one with arguments a `String`.
 
+mod builder;
 mod decoder;
 mod faults;
 mod live;
@@ -80,7 +81,7 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL].into_iter().flatten()
+        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, builder::ALL].into_iter().flatten()
     }
 
     /// The text without its `{arguments}`.
