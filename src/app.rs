@@ -10,7 +10,7 @@ use crate::dom::{el, mount, on_window, react};
 use crate::history::History;
 use crate::link;
 use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
-use crate::pages::{Desk, decoder_page, live_page};
+use crate::pages::{Desk, builder_page, decoder_page, live_page};
 use crate::route::{self, Route};
 use crate::serial::PickFault;
 use crate::settings::Settings;
@@ -210,14 +210,25 @@ fn build() {
             let _ = window().location().reload();
         }
     });
-    let live = Memo::new(move |_| app.route.with(|route| matches!(route, Route::Live)));
+    // What an address carries beside the page is the page's own affair.
+    let on = |wanted: fn(&Route) -> bool| Memo::new(move |_| app.route.with(wanted));
+    let live = on(|route| matches!(route, Route::Live));
+    let builder = on(|route| matches!(route, Route::Builder));
     let skip = el("a").class("skip").attr("href", "#content").say(app, Language::skip_to_content);
     mount(skip.on("click", |event| {
         event.prevent_default();
         focus_content();
     }));
     let content = el("main").class("content").attr("id", "content").attr("tabindex", "-1");
-    let content = content.live_one(move || Some(if live.get() { live_page(app) } else { decoder_page(app) }));
+    let content = content.live_one(move || {
+        Some(if live.get() {
+            live_page(app)
+        } else if builder.get() {
+            builder_page(app)
+        } else {
+            decoder_page(app)
+        })
+    });
     mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));
 }
 

@@ -6,6 +6,8 @@ mod adapter;
 mod analyst;
 mod anatomy;
 mod app;
+mod builder;
+mod clipboard;
 mod components;
 mod crash;
 mod device;

@@ -15,6 +15,8 @@ pub(crate) enum Route {
         /// What the address brings to be read; empty for nothing.
         text: String,
     },
+    /// `#/builder`.
+    Builder,
 }
 
 impl Route {
@@ -28,6 +30,7 @@ impl Route {
                 let text = values("text=").next().and_then(decoded).unwrap_or_else(|| frames.join("\n"));
                 Self::Decoder { text }
             }
+            "builder" => Self::Builder,
             _ => Self::Live,
         }
     }
@@ -108,6 +111,11 @@ mod tests {
         for hash in ["", "#", "#/live", "#/nowhere", "#live?frame=00"] {
             assert_eq!(Route::parse(hash), Route::Live, "{hash}");
         }
+    }
+
+    #[test]
+    fn the_builder_has_an_address() {
+        assert_eq!(Route::parse("#/builder"), Route::Builder);
     }
 
     #[test]

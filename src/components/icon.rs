@@ -9,6 +9,8 @@ pub(crate) enum Icon {
     Live,
     /// Angle brackets: taking frames apart.
     Decoder,
+    /// Blocks in a row: building frames.
+    Builder,
     /// Half-filled disc: theme as the system.
     ThemeAuto,
     /// Sun.
@@ -34,6 +36,7 @@ impl Icon {
         match self {
             Self::Live => "M2 10h3l2-6 4 11 2-5h3",
             Self::Decoder => "M6 4 2 9l4 5M12 4l4 5-4 5",
+            Self::Builder => "M2 7h4v5H2zM6 7h5v5H6zM13.5 9.5h4M15.5 7.5v4",
             Self::ThemeAuto => "M9 2.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 1 0 0-13zM9 2.5v13M9 6l5.7 0M9 9h6.5M9 12h5.7",
             Self::ThemeLight => {
                 "M9 6a3 3 0 1 0 0 6 3 3 0 1 0 0-6zM9 1.5v1.7M9 14.8v1.7M1.5 9h1.7M14.8 9h1.7M3.7 3.7l1.2 1.2M13.1 13.1l1.2 1.2M3.7 14.3l1.2-1.2M13.1 4.9l1.2-1.2"

@@ -18,6 +18,8 @@ use crate::theme::Theme;
 /// The pages. A bar at the bottom of a narrow screen.
 pub(crate) fn rail(app: &'static App) -> El {
     let live = move || app.route.with(|route| matches!(route, Route::Live));
+    let decoder = move || app.route.with(|route| matches!(route, Route::Decoder { .. }));
+    let builder = move || app.route.with(|route| matches!(route, Route::Builder));
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
     let mark = mark
         .child(svg("circle").attr("cx", "9").attr("cy", "9").attr("r", "6.5"))
@@ -32,7 +34,8 @@ pub(crate) fn rail(app: &'static App) -> El {
         .label(app, Language::pages)
         .child(el("div").class("brand").child(mark).child(el("span").text("Buslens")))
         .child(page_link(app, "#/live", "nav-live", Icon::Live, Language::live, live).child(rate))
-        .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, move || !live()))
+        .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, decoder))
+        .child(page_link(app, "#/builder", "nav-builder", Icon::Builder, Language::builder, builder))
         .child(el("small").class("version").text(env!("CARGO_PKG_VERSION")))
 }
 

@@ -1,7 +1,9 @@
 //! The pages, one module each.
 
+mod builder;
 mod decoder;
 mod live;
 
+pub(crate) use builder::builder_page;
 pub(crate) use decoder::{Desk, decoder_page};
 pub(crate) use live::live_page;

@@ -58,7 +58,6 @@ texts! {
     orphan => "no request" | "无请求";
     more_bytes(count: &str) => "… {count} bytes" | "… 共 {count} 字节";
     to_pair => "Other half" | "对应报文";
-    copy => "Copy" | "复制";
     copy_hex => "Hex" | "十六进制";
     copy_c => "C array" | "C 数组";
     copy_json => "JSON" | "JSON 格式";

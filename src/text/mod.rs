@@ -4,6 +4,7 @@
 //! compile. A text without arguments is a `&'static str`, one with arguments a `String`.
 
 mod anatomy;
+mod builder;
 mod decoder;
 mod desk;
 mod diagnosis;
@@ -86,7 +87,7 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, anatomy::ALL, diagnosis::ALL, desk::ALL]
+        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, anatomy::ALL, diagnosis::ALL, desk::ALL, builder::ALL]
             .into_iter()
             .flatten()
     }

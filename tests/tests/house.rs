@@ -155,9 +155,15 @@ fn the_project_names_no_machine() {
 
 #[test]
 fn every_package_takes_the_lints_of_the_workspace() {
-    for package in
-        ["Cargo.toml", "codec/Cargo.toml", "bus/Cargo.toml", "analyst/Cargo.toml", "bench/Cargo.toml", "xtask/Cargo.toml", "tests/Cargo.toml"]
-    {
+    for package in [
+        "Cargo.toml",
+        "codec/Cargo.toml",
+        "bus/Cargo.toml",
+        "analyst/Cargo.toml",
+        "bench/Cargo.toml",
+        "xtask/Cargo.toml",
+        "tests/Cargo.toml",
+    ] {
         let text = fs::read_to_string(root().join(package)).unwrap();
         assert!(text.contains("[lints]\nworkspace = true"), "{package}");
     }

@@ -4,10 +4,10 @@ use buslens_analyst::message::{Look, Row, ToAnalyst};
 use buslens_codec::dissect::Direction;
 
 use super::frames::Opened;
-use super::tools::copy;
 use crate::analyst;
 use crate::anatomy::Anatomy;
 use crate::app::App;
+use crate::clipboard;
 use crate::components::button::button;
 use crate::components::bytes::{byte_groups, lights};
 use crate::components::icon::{Icon, icon};
@@ -133,7 +133,7 @@ fn diagnoses(app: &'static App, told: &[Told]) -> El {
 
 fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
     let item = |hook: &str, text: Label, content: String| {
-        button(app, "quiet small", hook, text).click(move || copy(&content, || ()))
+        button(app, "quiet small", hook, text).click(move || clipboard::write(&content, |_| ()))
     };
     let index = row.index;
     let json = button(app, "quiet small", "copy-json", Language::copy_json).click(move || {
@@ -142,7 +142,7 @@ fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
             .look
             .with_untracked(|look| look.as_ref().filter(|look| look.index == index).map(|look| look.json.clone()));
         if let Some(json) = json {
-            copy(&json, || ());
+            clipboard::write(&json, |_| ());
         }
     });
     el("details")

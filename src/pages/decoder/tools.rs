@@ -1,11 +1,11 @@
 //! Above the list: whose registers they are, what is shown, files of the list; below it: counts.
 
 use buslens_analyst::message::{Filter, Format, Statistics, Tally, ToAnalyst};
-use wasm_bindgen_futures::{JsFuture, spawn_local};
 
 use super::desk::{AUTO, NO_PROFILE};
 use crate::analyst;
 use crate::app::App;
+use crate::clipboard;
 use crate::components::button::{bare, button};
 use crate::device;
 use crate::dom::{self, El, el};
@@ -146,18 +146,8 @@ fn link_button(app: &'static App) -> El {
         })
         .click(move || {
             let link = route::text_link(&desk.typed.get_untracked());
-            copy(&link, move || copied.set(true));
+            clipboard::write(&link, move |well| copied.set(well));
         })
-}
-
-/// Puts a text on the clipboard.
-pub(super) fn copy(text: &str, done: impl FnOnce() + 'static) {
-    let written = window().navigator().clipboard().write_text(text);
-    spawn_local(async move {
-        if JsFuture::from(written).await.is_ok() {
-            done();
-        }
-    });
 }
 
 /// A row of the table of counts: its name, and the count.

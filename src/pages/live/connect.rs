@@ -4,10 +4,10 @@ use crate::reactive::prelude::*;
 use buslens_codec::line::{DataBits, Mode, StopBits};
 use wasm_bindgen_futures::spawn_local;
 
-use super::field::{Note, choice, field, number};
 use super::wiring::wiring;
 use crate::app::{App, Phase};
 use crate::components::button::{bare, button, icon_button};
+use crate::components::field::{Note, choice, field, number};
 use crate::components::icon::{Icon, icon};
 use crate::device;
 use crate::dom::{self, El, el};

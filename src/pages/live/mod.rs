@@ -4,7 +4,6 @@ mod connect;
 mod counters;
 mod exchange;
 mod faults;
-mod field;
 mod figures;
 mod trend_strip;
 mod wiring;

@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{DecoderPage, LivePage, State};
+use buslens_tests::pages::{BuilderPage, DecoderPage, LivePage, State};
 use buslens_tests::testbed::{Bench, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -21,17 +21,23 @@ enum Scene {
     DecoderEmpty,
     DecoderFrames,
     DecoderError,
+    BuilderEmpty,
+    BuilderFrame,
+    BuilderError,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 7] = [
+const SCENES: [(&str, Scene); 10] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
     ("decoder-empty", Scene::DecoderEmpty),
     ("decoder-frames", Scene::DecoderFrames),
     ("decoder-error", Scene::DecoderError),
+    ("builder-empty", Scene::BuilderEmpty),
+    ("builder-frame", Scene::BuilderFrame),
+    ("builder-error", Scene::BuilderError),
     ("crash", Scene::Crash),
 ];
 
@@ -96,6 +102,23 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             let page = DecoderPage::open_at(browser, site).await;
             page.paste("01 03 00 31 00 01 D5 C5 01 03 02 00 07 F9 8G").await;
             page.error().await;
+        }
+        Scene::BuilderEmpty => {
+            BuilderPage::open_at(browser, site).await;
+        }
+        Scene::BuilderFrame => {
+            let page = BuilderPage::open_at(browser, site).await;
+            page.choose_point("lvdt", "write:parity").await;
+            page.choose_value(2).await;
+            page.wait_for_rtu("01 10 00 32 00 01 02 00 02 23 83").await;
+            page.calculate("01 03 00 31 00 01 D5 C5").await;
+        }
+        Scene::BuilderError => {
+            let page = BuilderPage::open_at(browser, site).await;
+            page.fill("values", "2 70000").await;
+            page.fill("unit", "300").await;
+            page.calculate("01 03 00 31\n00 0x").await;
+            browser.wait_for("document.querySelector('[data-test=calculator-error]')").await;
         }
         Scene::Crash => {
             browser.open(site).await;

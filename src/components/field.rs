@@ -1,4 +1,4 @@
-//! A labelled field of the connection card: control, hint, and what is wrong with it.
+//! A labelled field of a form: control, hint, and what is wrong with it.
 
 use std::rc::Rc;
 
@@ -9,25 +9,24 @@ use crate::dom::{El, el};
 use crate::text::Language;
 
 /// One field with its note, which is tied to the control by `id`.
-pub(super) fn field(
+pub(crate) fn field(
     app: &'static App,
     id: &'static str,
     label: fn(Language) -> &'static str,
     control: El,
     note: impl Fn() -> Option<Note> + 'static,
 ) -> El {
-    field_boxed(app, id, label, control, Rc::new(note))
+    labelled(id, el("label").attr("for", id).say(app, label), control, note)
 }
 
-fn field_boxed(
-    app: &'static App,
-    id: &'static str,
-    label: fn(Language) -> &'static str,
-    control: El,
-    note: Rc<dyn Fn() -> Option<Note>>,
-) -> El {
+/// The same with a label of any make.
+pub(crate) fn labelled(id: &'static str, label: El, control: El, note: impl Fn() -> Option<Note> + 'static) -> El {
+    labelled_boxed(id, label, control, Rc::new(note))
+}
+
+fn labelled_boxed(id: &'static str, label: El, control: El, note: Rc<dyn Fn() -> Option<Note>>) -> El {
     let kind = Rc::clone(&note);
-    el("div").class("field").child(el("label").attr("for", id).say(app, label)).child(control).child(
+    el("div").class("field").child(label).child(control).child(
         el("p")
             .class("note")
             .attr("id", &note_id(id))
@@ -37,7 +36,7 @@ fn field_boxed(
 }
 
 /// What stands under a field.
-pub(super) enum Note {
+pub(crate) enum Note {
     /// An explanation.
     Hint(String),
     /// Allowed, but think twice.
@@ -63,7 +62,7 @@ impl Note {
 }
 
 /// A list to choose from, bound to a signal. `options` are values with their labels.
-pub(super) fn choice(
+pub(crate) fn choice(
     id: &'static str,
     value: RwSignal<String>,
     options: impl Fn() -> Vec<(String, String)> + 'static,
@@ -72,6 +71,16 @@ pub(super) fn choice(
 }
 
 fn choice_boxed(id: &'static str, value: RwSignal<String>, options: Box<dyn Fn() -> Vec<(String, String)>>) -> El {
+    list(id, value, Box::new(move || options().into_iter().map(|(key, label)| option(&key, &label)).collect()))
+}
+
+/// One option of a list.
+pub(crate) fn option(key: &str, label: &str) -> El {
+    el("option").attr("value", key).text(label)
+}
+
+/// As [`choice`], for options in groups.
+pub(crate) fn list(id: &'static str, value: RwSignal<String>, options: Box<dyn Fn() -> Vec<El>>) -> El {
     let shown = RwSignal::new(0_u32);
     el("select")
         .attr("id", id)
@@ -79,7 +88,7 @@ fn choice_boxed(id: &'static str, value: RwSignal<String>, options: Box<dyn Fn()
         .attr("aria-describedby", &note_id(id))
         .live(move || {
             shown.update(|turn| *turn = turn.wrapping_add(1));
-            options().into_iter().map(|(key, label)| el("option").attr("value", &key).text(&label)).collect()
+            options()
         })
         .live_value(move || {
             // New options forget what was chosen.
@@ -90,23 +99,27 @@ fn choice_boxed(id: &'static str, value: RwSignal<String>, options: Box<dyn Fn()
 }
 
 /// A number to type, bound to a signal.
-pub(super) fn number(
+pub(crate) fn number(
     id: &'static str,
     value: RwSignal<String>,
     unit: &str,
     is_wrong: impl Fn() -> bool + 'static,
 ) -> El {
-    let input = el("input")
+    let input = entry("input", id, value, is_wrong).attr("type", "text").attr("inputmode", "numeric");
+    el("span").class("with-suffix").child(input).child(el("span").class("suffix").text(unit))
+}
+
+/// A bare `input` or `textarea` for anything typed, bound to a signal.
+pub(crate) fn entry(tag: &str, id: &'static str, value: RwSignal<String>, is_wrong: impl Fn() -> bool + 'static) -> El {
+    el(tag)
         .attr("id", id)
         .test(id)
-        .attr("type", "text")
-        .attr("inputmode", "numeric")
         .attr("autocomplete", "off")
+        .attr("autocapitalize", "off")
         .attr("spellcheck", "false")
         .attr("aria-describedby", &note_id(id))
         .live_attr("aria-invalid", move || is_wrong().then(|| "true".to_owned()))
-        .bind("input", value);
-    el("span").class("with-suffix").child(input).child(el("span").class("suffix").text(unit))
+        .bind("input", value)
 }
 
 fn note_id(id: &str) -> String {
