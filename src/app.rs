@@ -3,7 +3,11 @@
 use std::time::Duration;
 
 use crate::reactive::prelude::*;
+use buslens_analyst::message::{FromAnalyst, Sums};
+use buslens_codec::intake::IntakeError;
 use wasm_bindgen::JsCast;
+
+use crate::analyst;
 
 use crate::components::shell::{rail, top_bar};
 use crate::dom::{el, mount, on_window, react};
@@ -48,6 +52,8 @@ pub(crate) struct App {
     pub(crate) history: StoredValue<History>,
     /// The Decoder page's state.
     pub(crate) decoder: Desk,
+    /// The last text whose checks the analyst has made, and what came of it.
+    pub(crate) sums: RwSignal<Option<Summed>>,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
     /// Ticks ten times a second while connected, and whenever the window changes its size.
@@ -57,6 +63,9 @@ pub(crate) struct App {
     /// Link and device in one word.
     pub(crate) phase: Memo<Phase>,
 }
+
+/// A text with the checks of its bytes, `None` where it holds none; or its first fault.
+pub(crate) type Summed = (String, Result<Option<Sums>, IntakeError>);
 
 /// Link and device in one word: what the top bar says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,6 +153,7 @@ impl App {
             settings: Settings::remembered(),
             history: StoredValue::new(History::default()),
             decoder: Desk::remembered(),
+            sums: RwSignal::new(None),
             history_turn: RwSignal::new(0),
             clock_turn: RwSignal::new(0),
             clock_lead_s: StoredValue::new(None),
@@ -158,6 +168,14 @@ impl App {
         self.status.set(Status { link: Link::Opening, ..Status::default() });
         link::send(&ToEngine::Connect(connection.clone()));
         self.connection.set(Some(connection));
+    }
+
+    /// Starts the analyst's worker, if it has not been.
+    pub(crate) fn start_analyst(&'static self) {
+        analyst::start(move |message, beside| match message {
+            FromAnalyst::Sums(text, sums) => self.sums.set(Some((text, sums))),
+            message => self.decoder.hear(message, &beside),
+        });
     }
 
     /// Starts the statistics anew.

@@ -7,7 +7,6 @@
 pub(crate) mod parse;
 pub(crate) mod point;
 pub(crate) mod spell;
-pub(crate) mod sums;
 
 use buslens_codec::intake::IntakeError;
 use buslens_codec::pdu::{

@@ -10,5 +10,6 @@ mod look;
 pub mod message;
 mod scale;
 mod statistics;
+mod sums;
 
 pub use desk::Desk;

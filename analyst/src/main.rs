@@ -8,7 +8,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use buslens_analyst::Desk;
-use buslens_analyst::message::{Format, FromAnalyst, ToAnalyst};
+use buslens_analyst::message::{Format, FromAnalyst, Sums, ToAnalyst};
 use js_sys::Array;
 use wasm_bindgen::JsValue;
 use wasm_bindgen_futures::spawn_local;
@@ -75,6 +75,10 @@ impl Analyst {
                 post(&FromAnalyst::Look(look));
             }
             ToAnalyst::Export(format) => self.export(format),
+            ToAnalyst::Sums(text) => {
+                let sums = Sums::of(&text);
+                post(&FromAnalyst::Sums(text, sums));
+            }
             ToAnalyst::Forget => spawn_local(source::forget()),
         }
     }

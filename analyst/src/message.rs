@@ -43,6 +43,8 @@ pub enum ToAnalyst {
     Export(Format),
     /// Forget what was kept.
     Forget,
+    /// The checks of the bytes in a short text.
+    Sums(String),
 }
 
 /// Whose registers they are.
@@ -94,12 +96,29 @@ pub enum FromAnalyst {
     Look(Look),
     /// The file that comes with this message is ready.
     Exported(Format),
+    /// The checks of the bytes in a text that was asked for, `None` where it holds no bytes; or its first fault.
+    Sums(String, Result<Option<Sums>, IntakeError>),
     /// There was no kept text, or it cannot be read.
     NothingKept,
     /// The text could not be read to its end, in the browser's words.
     Unreadable(String),
     /// The analyst has failed for good.
     Panicked(String),
+}
+
+/// Bytes with their checks.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sums {
+    /// How many bytes; of ASCII frames those that the digits spell.
+    pub count: u32,
+    /// CRC-16 of all of them; its low byte goes over the line first.
+    pub crc: u16,
+    /// LRC of all of them.
+    pub lrc: u8,
+    /// Whether the last two are the CRC of those before them.
+    pub ends_with_crc: bool,
+    /// Whether the last one is the LRC of those before it.
+    pub ends_with_lrc: bool,
 }
 
 /// How far reading has come.

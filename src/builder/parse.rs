@@ -1,6 +1,6 @@
 //! Texts of fields as numbers, lists and bytes. Decimal, or hexadecimal with `0x`; marks between entries may be Chinese.
 
-use buslens_codec::intake::{self, Form};
+use buslens_codec::intake::{IntakeError, IntakeFault};
 use buslens_codec::pdu::DeviceIdObject;
 
 use super::Fault;
@@ -48,13 +48,29 @@ pub(super) fn bits(text: &str) -> Result<Vec<bool>, Fault> {
     text.chars().filter(|c| !is_gap(*c)).map(bit).collect()
 }
 
-/// Bytes in any spelling of hexadecimal digits.
+/// Bytes as pairs of hexadecimal digits; a lone digit is a byte too.
 pub(super) fn bytes(text: &str) -> Result<Vec<u8>, Fault> {
-    let intake = intake::read_as(text, Form::Hex);
-    match intake.faults.first() {
-        Some(error) => Err(Fault::Hex(*error)),
-        None => Ok(intake.bytes),
+    let mut bytes = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let mut column = 1;
+        for entry in line.split_inclusive(is_gap) {
+            let digits = entry.trim_end_matches(is_gap);
+            let digits = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")).unwrap_or(digits);
+            let prefix = entry.trim_end_matches(is_gap).chars().count() - digits.chars().count();
+            let fault =
+                |at: usize, fault| Fault::Hex(IntakeError { line: number + 1, column: column + prefix + at, fault });
+            if let Some((at, stray)) = digits.chars().enumerate().find(|(_, c)| !c.is_ascii_hexdigit()) {
+                return Err(fault(at, IntakeFault::Unexpected(stray)));
+            }
+            if digits.len() > 1 && digits.len() % 2 != 0 {
+                return Err(fault(0, IntakeFault::OddDigits));
+            }
+            let pair = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
+            bytes.extend(digits.as_bytes().chunks(2).filter_map(pair));
+            column += entry.chars().count();
+        }
     }
+    Ok(bytes)
 }
 
 /// Numbers line by line, in each line at least so many.

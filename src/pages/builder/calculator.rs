@@ -1,14 +1,17 @@
 //! The calculator: checks of any bytes.
 
+use buslens_analyst::message::{Sums, ToAnalyst};
+
 use crate::reactive::prelude::*;
 
 use super::copy_button;
 use super::words::bytes_fault;
+use crate::analyst;
 use crate::app::App;
-use crate::builder::{point, sums::Sums};
+use crate::builder::point;
 use crate::components::field::entry;
 use crate::components::icon::{Icon, icon};
-use crate::dom::{El, el};
+use crate::dom::{El, el, react};
 use crate::format::{hex, hex_spaced};
 use crate::storage::kept;
 use crate::text::Language;
@@ -17,19 +20,21 @@ use crate::text::Language;
 pub(super) fn calculator_card(app: &'static App) -> El {
     const ID: &str = "calculator-input";
     let typed = kept("calculator", "");
-    let sums = move || typed.with(|text| Sums::of(text));
-    let area = entry("textarea", ID, typed, move || sums().is_err())
+    app.start_analyst();
+    react(move || analyst::send(&ToAnalyst::Sums(typed.get())));
+    let area = entry("textarea", ID, typed, move || app.sums.with(|summed| matches!(summed, Some((_, Err(_))))))
         .attr("rows", "3")
         .live_attr("placeholder", move || Some(app.language.get().calculator_placeholder().to_owned()));
     let results = move || {
-        vec![match sums() {
-            Err(error) => {
+        let summed = app.sums.get();
+        vec![match summed.map(|(_, sums)| sums) {
+            Some(Err(error)) => {
                 let text = bytes_fault(app.language.get(), error);
                 let line = el("p").class("parse-error").attr("role", "alert").test("calculator-error");
                 line.child(icon(Icon::Fault)).child(el("span").text(&text))
             }
-            Ok(None) => el("p").class("empty").say(app, Language::calculator_empty),
-            Ok(Some(sums)) => results(app, &sums),
+            None | Some(Ok(None)) => el("p").class("empty").say(app, Language::calculator_empty),
+            Some(Ok(Some(sums))) => results(app, &sums),
         }]
     };
     el("section")

@@ -121,7 +121,7 @@ impl Desk {
             return;
         }
         self.started.set_value(true);
-        analyst::start(move |message, beside| app.decoder.hear(message, &beside));
+        app.start_analyst();
         self.send_profile();
         if let Some(name) = storage::load("decoder-document").filter(|name| !name.is_empty()) {
             let name = Some(name).filter(|name| name != "\n");
@@ -275,7 +275,8 @@ impl Desk {
         analyst::send_with(&ToAnalyst::Read { reading, form, keep }, beside);
     }
 
-    fn hear(&self, message: FromAnalyst, beside: &JsValue) {
+    /// Takes in what the analyst says.
+    pub(crate) fn hear(&self, message: FromAnalyst, beside: &JsValue) {
         let current = self.reading.get_value();
         match message {
             FromAnalyst::Progress(progress) if progress.reading == current => {
@@ -306,7 +307,10 @@ impl Desk {
                 self.read_typed();
             }
             FromAnalyst::Unreadable(words) => self.unreadable.set(Some(words)),
-            FromAnalyst::Progress(_) | FromAnalyst::Statistics(_) | FromAnalyst::Panicked(_) => {}
+            FromAnalyst::Progress(_)
+            | FromAnalyst::Statistics(_)
+            | FromAnalyst::Sums(..)
+            | FromAnalyst::Panicked(_) => {}
         }
     }
 

@@ -1,35 +1,24 @@
-//! The calculator: checks of any bytes.
+//! Checks of any bytes.
 
 use buslens_codec::ascii;
 use buslens_codec::check::{crc16, is_right, lrc};
 use buslens_codec::intake::{self, Form, IntakeError};
 
-/// Bytes with their checks.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Sums {
-    /// How many bytes; of ASCII frames those that the digits spell.
-    pub(crate) count: usize,
-    /// CRC-16 of all of them; its low byte goes over the line first.
-    pub(crate) crc: u16,
-    /// LRC of all of them.
-    pub(crate) lrc: u8,
-    /// Whether the last two are the CRC of those before them.
-    pub(crate) ends_with_crc: bool,
-    /// Whether the last one is the LRC of those before it.
-    pub(crate) ends_with_lrc: bool,
-}
+use crate::message::Sums;
 
 impl Sums {
     /// The checks of the bytes in a text; `None` where there is none.
-    pub(crate) fn of(text: &str) -> Result<Option<Self>, IntakeError> {
-        let intake = intake::read(text);
+    pub fn of(text: &str) -> Result<Option<Self>, IntakeError> {
+        // Bare bytes: words beside them are faults here, not a log.
+        let form = if intake::detect(text).form == Form::AsciiFrames { Form::AsciiFrames } else { Form::Hex };
+        let intake = intake::read_as(text, form);
         if let Some(error) = intake.faults.first() {
             return Err(*error);
         }
         let spelled = if intake.form == Form::AsciiFrames { ascii::decode_body(&intake.bytes).ok() } else { None };
         let bytes = spelled.unwrap_or(intake.bytes);
         Ok((!bytes.is_empty()).then(|| Self {
-            count: bytes.len(),
+            count: crate::desk::place(bytes.len()),
             crc: crc16(&bytes),
             lrc: lrc(&bytes),
             // A check of nothing is none.
