@@ -11,7 +11,7 @@ use std::any::Any;
 use crate::reactive::prelude::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
-use web_sys::{Blob, Element, Event, EventTarget, HtmlElement, KeyboardEvent, Node, Url};
+use web_sys::{Blob, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
 
 use crate::app::App;
 use crate::text::Language;
@@ -214,6 +214,17 @@ impl Handle {
         // In the browser's range: lists are no taller.
         #[allow(clippy::cast_possible_truncation)]
         self.0.set_scroll_top(pixels as i32);
+    }
+
+    /// Closes an element that opens and closes.
+    pub(crate) fn close(&self) {
+        set(&self.0, "open", None);
+    }
+
+    /// Whether the focus that an event takes away goes to something inside.
+    pub(crate) fn holds_next_focus(&self, event: &Event) -> bool {
+        let next = event.dyn_ref::<FocusEvent>().and_then(FocusEvent::related_target);
+        next.and_then(|next| next.dyn_into::<Node>().ok()).is_some_and(|next| self.0.contains(Some(&next)))
     }
 
     /// Adds an element at its end.

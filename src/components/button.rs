@@ -21,6 +21,19 @@ pub(crate) fn icon_button(
     bare(look, hook).child(icon(mark)).child(el("span").say(app, text))
 }
 
+/// A button that opens a few others below it; choosing one of them, or going elsewhere, closes them again.
+pub(crate) fn menu(app: &'static App, hook: &str, text: fn(Language) -> &'static str, items: Vec<El>) -> El {
+    let summary = el("summary").class("button quiet small").test(hook).say(app, text);
+    let menu = el("details").class("menu");
+    let (chosen, left) = (menu.handle(), menu.handle());
+    let items = el("div").class("menu-items").children(items).on("click", move |_| chosen.close());
+    menu.child(summary).child(items).on("focusout", move |event| {
+        if !left.holds_next_focus(&event) {
+            left.close();
+        }
+    })
+}
+
 /// A button without anything in it.
 pub(crate) fn bare(look: &str, hook: &str) -> El {
     el("button").attr("type", "button").class(&["button ", look].concat()).test(hook)

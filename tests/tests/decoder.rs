@@ -50,7 +50,7 @@ async fn every_frame_of_the_manuals_comes_out_right() {
         );
         bench.browser.wait_for(&hook).await;
         bench.browser.wait_for("document.querySelector('[data-test=statistics]')").await;
-        bench.browser.run("document.querySelector('.menu:has([data-test=export])').open = true").await;
+        bench.browser.click("export").await;
         bench.browser.click("export-jsonl").await;
         let json: serde_json::Value = serde_json::from_str(&page.saved().await).unwrap();
         assert_eq!(json["mode"], mode, "{line}");
@@ -152,7 +152,7 @@ async fn a_log_is_filtered_counted_and_saved() {
     bench.browser.fill("filter-unit", "7").await;
     page.wait_for_entries("2 of 6").await;
     page.catch_files().await;
-    bench.browser.run("document.querySelector('.menu:has([data-test=export])').open = true").await;
+    bench.browser.click("export").await;
     bench.browser.click("export-csv").await;
     let csv = page.saved().await;
     assert_eq!(csv.lines().count(), 3, "{csv}");

@@ -8,7 +8,7 @@ use crate::analyst;
 use crate::anatomy::Anatomy;
 use crate::app::App;
 use crate::clipboard;
-use crate::components::button::button;
+use crate::components::button::{button, menu};
 use crate::components::bytes::{byte_groups, lights};
 use crate::components::icon::{Icon, icon};
 use crate::device::Device;
@@ -145,17 +145,13 @@ fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
             clipboard::write(&json, |_| ());
         }
     });
-    el("details")
-        .class("menu")
-        .child(el("summary").class("button quiet small").test("copy").say(app, Language::copy))
-        .child(
-            el("div")
-                .class("menu-items")
-                .child(item("copy-hex", Language::copy_hex, hex_spaced(&row.bytes)))
-                .child(item("copy-c", Language::copy_c, format::c_array(&row.bytes)))
-                .child(json)
-                .child(item("copy-markdown", Language::copy_markdown, markdown(app, row, found))),
-        )
+    let items = vec![
+        item("copy-hex", Language::copy_hex, hex_spaced(&row.bytes)),
+        item("copy-c", Language::copy_c, format::c_array(&row.bytes)),
+        json,
+        item("copy-markdown", Language::copy_markdown, markdown(app, row, found)),
+    ];
+    menu(app, "copy", Language::copy, items)
 }
 
 /// A table of the fields, for an issue or a mail.

@@ -6,7 +6,7 @@ use super::desk::{AUTO, NO_PROFILE};
 use crate::analyst;
 use crate::app::App;
 use crate::clipboard;
-use crate::components::button::{bare, button};
+use crate::components::button::{bare, button, menu};
 use crate::device;
 use crate::dom::{self, El, el};
 use crate::format;
@@ -112,16 +112,12 @@ fn export_menu(app: &'static App) -> El {
     let item = |hook: &str, text: Label, format: Format| {
         button(app, "quiet small", hook, text).click(move || analyst::send(&ToAnalyst::Export(format)))
     };
-    el("details")
-        .class("menu")
-        .child(el("summary").class("button quiet small").test("export").say(app, Language::export))
-        .child(
-            el("div")
-                .class("menu-items")
-                .child(item("export-jsonl", Language::export_jsonl, Format::JsonLines))
-                .child(item("export-csv", Language::export_csv, Format::Csv))
-                .child(item("export-hex", Language::export_hex, Format::Hex)),
-        )
+    let items = vec![
+        item("export-jsonl", Language::export_jsonl, Format::JsonLines),
+        item("export-csv", Language::export_csv, Format::Csv),
+        item("export-hex", Language::export_hex, Format::Hex),
+    ];
+    menu(app, "export", Language::export, items)
 }
 
 /// Copies a link that holds the text of the field: nothing leaves the machine before the link does.
