@@ -2,7 +2,7 @@
 
 use js_sys::{JsString, Promise, Uint8Array};
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::JsFuture;
+use wasm_bindgen_futures::{JsFuture, spawn_local};
 
 use crate::scope::{Blob, TextDecoder, options, storage};
 
@@ -29,8 +29,11 @@ impl Source {
             return kept().await.ok().map(Self::File);
         }
         if keep {
-            // Without a folder nothing is kept.
-            let _ = save(&beside).await;
+            let text = beside.clone();
+            // While it is read. Without a folder nothing is kept.
+            spawn_local(async move {
+                let _ = save(&text).await;
+            });
         }
         Some(match beside.dyn_into::<JsString>() {
             Ok(text) => Self::Text(text),

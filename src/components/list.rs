@@ -24,9 +24,10 @@ pub(crate) struct Source {
     pub(crate) total: Memo<u32>,
     /// Changes whenever rows have become other ones or have come in.
     pub(crate) turn: RwSignal<u32>,
-    /// A row's content, or `None` until it is there; nothing in it may listen or follow signals. The number tells contents
-    /// apart: a row whose number has not changed is not drawn anew.
-    pub(crate) row: fn(&'static App, u32) -> Option<(u64, El)>,
+    /// Tells a row's contents apart, or `None` until it is there: a row whose number has not changed is not drawn anew.
+    pub(crate) stamp: fn(&'static App, u32) -> Option<u64>,
+    /// Draws a row that is there. Nothing in it may listen or follow signals.
+    pub(crate) draw: fn(&'static App, u32) -> Option<El>,
     /// Told which rows will be looked at.
     pub(crate) want: fn(&'static App, Range<u32>),
     /// The chosen row.
@@ -90,6 +91,19 @@ struct Drawn {
     content: Option<u64>,
     chosen: bool,
     element: El,
+    /// Where it is drawn, in pixels.
+    top: f64,
+}
+
+impl Drawn {
+    fn at(mut self, top: f64) -> Self {
+        // Not a number until it is placed for the first time, and so never equal.
+        if self.top.to_bits() != top.to_bits() {
+            self.top = top;
+            self.element.handle().set_style("top", &px(top));
+        }
+        self
+    }
 }
 
 struct Painter {
@@ -117,12 +131,11 @@ impl Painter {
         let mut shown = self.shown.borrow_mut();
         let mut old = std::mem::take(&mut *shown);
         for row in first..last {
-            let content = (self.source.row)(self.app, row);
+            let content = (self.source.stamp)(self.app, row);
             let kept = old.iter().position(|drawn| drawn.row == row);
             let kept = kept.map(|at| old.swap_remove(at));
-            let fresh = content.as_ref().map(|(number, _)| *number);
             let drawn = match kept {
-                Some(drawn) if drawn.content == fresh && drawn.chosen == (row == chosen) => drawn,
+                Some(drawn) if drawn.content == content && drawn.chosen == (row == chosen) => drawn,
                 kept => {
                     if let Some(kept) = kept {
                         kept.element.remove();
@@ -130,26 +143,25 @@ impl Painter {
                     self.draw(row, content, row == chosen)
                 }
             };
-            drawn.element.handle().set_style("top", &px(f64::from(row) * ROW - shift));
-            shown.push(drawn);
+            shown.push(drawn.at(f64::from(row) * ROW - shift));
         }
         for drawn in old {
             drawn.element.remove();
         }
     }
 
-    fn draw(&self, row: u32, content: Option<(u64, El)>, chosen: bool) -> Drawn {
-        let number = content.as_ref().map(|(number, _)| *number);
-        let element = content.map_or_else(|| el("div").class("list-row waiting"), |(_, element)| element);
+    fn draw(&self, row: u32, content: Option<u64>, chosen: bool) -> Drawn {
+        let drawn = content.and_then(|_| (self.source.draw)(self.app, row));
+        let element = drawn.unwrap_or_else(|| el("div").class("list-row waiting"));
         let hook = self.source.hook;
         let element = element
             .attr("role", "option")
             .attr("id", &row_id(hook, row))
             .attr("data-row", &row.to_string())
-            .test(if number.is_some() { hook } else { "" })
+            .test(if content.is_some() { hook } else { "" })
             .attr("aria-selected", if chosen { "true" } else { "false" });
         self.canvas.append(&element);
-        Drawn { row, content: number, chosen, element }
+        Drawn { row, content, chosen, element, top: f64::NAN }
     }
 
     /// The place of the window's upper edge in a list of full height, and how far above that its rows are drawn.

@@ -242,6 +242,11 @@ impl Desk {
         self.rows.with_value(|rows| rows.row(at).cloned())
     }
 
+    /// What is said of the row at a place, if it has come.
+    pub(super) fn with_row<T>(&self, at: u32, act: impl FnOnce(&Row) -> T) -> Option<T> {
+        self.rows.with_value(|rows| rows.row(at).map(act))
+    }
+
     /// Asks for the rows of these places that have not come.
     pub(super) fn want(&self, places: std::ops::Range<u32>) {
         let shown = self.progress.with_untracked(|progress| progress.shown);

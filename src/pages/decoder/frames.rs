@@ -42,10 +42,8 @@ pub(super) fn frame_list(app: &'static App) -> El {
     let source = Source {
         total: Memo::new(move |_| desk.progress.with(|progress| progress.shown)),
         turn: desk.turn,
-        row: |app, at| {
-            let row = app.decoder.row(at)?;
-            Some((stamp(app, at, &row), draw(app, &row)))
-        },
+        stamp: |app, at| app.decoder.with_row(at, |row| stamp(app, at, row)),
+        draw: |app, at| app.decoder.with_row(at, |row| draw(app, row)),
         want: |app, places| app.decoder.want(places),
         chosen: desk.chosen,
         hook: "frame-row",
