@@ -20,6 +20,7 @@ enum Scene {
     LiveFault,
     DecoderEmpty,
     DecoderFrames,
+    DecoderDamaged,
     DecoderError,
     BuilderEmpty,
     BuilderFrame,
@@ -28,12 +29,13 @@ enum Scene {
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 10] = [
+const SCENES: [(&str, Scene); 11] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
     ("decoder-empty", Scene::DecoderEmpty),
     ("decoder-frames", Scene::DecoderFrames),
+    ("decoder-damaged", Scene::DecoderDamaged),
     ("decoder-error", Scene::DecoderError),
     ("builder-empty", Scene::BuilderEmpty),
     ("builder-frame", Scene::BuilderFrame),
@@ -97,6 +99,15 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.paste(FRAMES).await;
             page.rows(8).await;
             browser.click_nth("frame-row", 1).await;
+        }
+        Scene::DecoderDamaged => {
+            let page = DecoderPage::open_at(browser, site).await;
+            page.paste(FRAMES).await;
+            page.rows(8).await;
+            browser.click_nth("frame-row", 5).await;
+            page.diagnosis("single_bit_error").await;
+            browser.click("views").await;
+            browser.fill("shown-value", "-0.328").await;
         }
         Scene::DecoderError => {
             let page = DecoderPage::open_at(browser, site).await;
