@@ -103,6 +103,7 @@ fn intake() {
     write("intake", "decimal", spell(ToString::to_string, ", ").as_bytes());
     write("intake", "escapes", format!("b'{}'", spell(|byte| format!("\\x{byte:02x}"), "")).as_bytes());
     write("intake", "ascii_frames", b":010300310001CA\r\n:0103020007F3\r\n");
+    write("intake", "year_zero", b"0000-02-01 00:00:00 Tx: 01 03 00 31 00 01 D5 C5");
     write("intake", "wide", "０１，０３　发送：００".as_bytes());
 }
 
