@@ -64,14 +64,14 @@ fn is_request(unit: UnitId, pdu: &[u8], asked: &Request) {
     assert_eq!((outline.unit, outline.function), (unit, pdu[0]));
     let outlined = !matches!(asked, Request::Other { .. });
     assert!(!outlined || outline.address == asked.address());
-    // The search for frames knows where it ends: there, or at a shorter length with a right check. It does not know what
-    // the standard does not have: function 0, and diagnostics with other data than its own.
-    let standard = match asked {
-        Request::Diagnostics { sub_function: SubFunction::RETURN_QUERY_DATA, data } => data.len() % 2 == 0,
-        Request::Diagnostics { data, .. } => data.len() == 2,
-        _ => pdu[0] != 0,
+    // The search for frames knows where it ends: there, or at a shorter length with a right check. Where the function does
+    // not tell its length, a frame of another one that happens to stand within may be found instead.
+    let told = match asked {
+        Request::Diagnostics { sub_function, data } => *sub_function != SubFunction(0) && data.len() == 2,
+        Request::Other { .. } => false,
+        _ => true,
     };
-    if standard {
+    if told {
         let first = split(Mode::Rtu, &frame).next().unwrap();
         let found = first.range.start == 0 && matches!(first.kind, PieceKind::Frame(_));
         assert!(found, "{first:?} {frame:02X?}");
