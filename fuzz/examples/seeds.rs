@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use buslens_codec::check::crc16;
 use buslens_codec::line::Mode;
 use buslens_codec::profile::Profile;
 use buslens_codec::{UnitId, adu, rtu};
@@ -25,6 +26,7 @@ fn main() {
     pdus(&rows);
     streams(&rows);
     profiles();
+    found();
 }
 
 fn root() -> PathBuf {
@@ -212,6 +214,26 @@ fn profiles() {
     let codes = r#","effects":["baud"],"codes":[{"code":1,"number":9600}]"#;
     let group = r#","groups":[{"function":3,"address":0,"quantity":4}],"choices":{"bauds":[9600,19200],"modes":["rtu","ascii"]}"#;
     small("codes", &point("b", 3, r#"{"type":"code"}"#, codes), group);
+}
+
+/// What broke a law once, or would break it where a rule that is easily forgotten were missing.
+fn found() {
+    // A frame of 257 bytes that lost one.
+    let mut long = [&[1, 0x2B, 4][..], &[7; 252]].concat();
+    long.extend(crc16(&long).to_le_bytes());
+    long.remove(200);
+    write("rtu", "too_long_a_repair", &[&[0; 4][..], &long].concat());
+    // A function that tells no length, and noise before a silence.
+    let own = [2, 6, 1, 0x41, 1, 2, 3, 4, 0, 3, 0xFF, 0xFE, 0xFD];
+    write("splitter", "noise_before_a_silence", &[&[0, 0, 5, 7, 30][..], &own].concat());
+    // Combinations beyond number.
+    let many = |word: &str| vec![format!("\"{word}\""); 300].join(",");
+    let line = text("codec/profiles/level.json").replace("[\"none\"]", &format!("[{}]", many("odd")));
+    write(
+        "profile",
+        "listed_twice",
+        line.replace("\"modes\"", &format!("\"stop_bits\":[{}],\"modes\"", many("two"))).as_bytes(),
+    );
 }
 
 /// Function, direction and number.

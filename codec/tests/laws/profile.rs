@@ -42,6 +42,8 @@ fn views(registers: &[u16], offset: u8) {
 fn loaded(profile: &Profile, function: u8, address: u16, registers: &[u16]) {
     let candidates = profile.line_candidates();
     assert_eq!(candidates.first(), Some(&(profile.line, profile.mode)));
+    // Three parities, two numbers of stop bits, two modes.
+    assert!(candidates.len() <= 12 * (1 + profile.choices.bauds.len()));
     assert!(profile.live_groups().iter().all(|group| group.request().is_some()));
     for group in profile.groups.iter().chain(&profile.discovery).chain(&profile.fingerprint) {
         let request = group.request().unwrap();
@@ -56,12 +58,15 @@ fn loaded(profile: &Profile, function: u8, address: u16, registers: &[u16]) {
     }
     let known = &mut Known::default();
     decode(profile, function, address, registers, known);
-    // Twice, because what scales a point may stand behind it.
-    for point in profile.points.iter().chain(&profile.points) {
+    // What scales a point may stand behind it.
+    for point in &profile.points {
+        for function in &point.read {
+            profile.decode_points(*function, point.register, registers, known);
+        }
+    }
+    for point in &profile.points {
         for function in point.read.iter().chain(&point.write) {
             decode(profile, *function, point.register, registers, known);
-            let count = point.encoding.registers().min(registers.len());
-            decode(profile, *function, point.register, &registers[..count], known);
         }
     }
     let bits: Vec<bool> = registers.iter().map(|register| register & 1 == 1).collect();
