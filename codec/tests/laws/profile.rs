@@ -65,8 +65,9 @@ fn loaded(profile: &Profile, function: u8, address: u16, registers: &[u16]) {
         }
     }
     for point in &profile.points {
+        let own = &registers[..point.encoding.registers().min(registers.len())];
         for function in point.read.iter().chain(&point.write) {
-            decode(profile, *function, point.register, registers, known);
+            decode(profile, *function, point.register, own, known);
         }
     }
     let bits: Vec<bool> = registers.iter().map(|register| register & 1 == 1).collect();
