@@ -1,4 +1,4 @@
-use buslens_codec::pdu::Request;
+use buslens_codec::pdu::{MAX_READ_QUANTITY, Request};
 use buslens_codec::profile::{Known, Link, Point, PointValue, Profile, ProfileError};
 use buslens_codec::value::{Decimal, Value};
 use buslens_codec::views::{encodings_that_show, views_at};
@@ -10,7 +10,9 @@ use super::input::Input;
 pub(super) fn what_loads_decodes(data: &[u8]) {
     let (text, mut input) = Input::text_and_rest(data);
     let (function, address) = (input.byte(), input.word());
-    let registers: Vec<u16> = input.0.chunks_exact(2).map(|word| u16::from_be_bytes([word[0], word[1]])).collect();
+    // As many as a frame carries; more only take time.
+    let words = input.0.chunks_exact(2).take(MAX_READ_QUANTITY.into());
+    let registers: Vec<u16> = words.map(|word| u16::from_be_bytes([word[0], word[1]])).collect();
     views(&registers, function);
     match Profile::from_json(&text) {
         Ok(profile) => loaded(&profile, function, address, &registers),
