@@ -1,7 +1,7 @@
 //! Damaged frames, alone and between good ones: each damage is found, placed and mended.
 
 use buslens_codec::check::{crc16, lrc};
-use buslens_codec::diagnose::{Diagnosis, Placed};
+use buslens_codec::diagnose::{Diagnosis, Placed, Surroundings, damage};
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::pdu::{ExceptionCode, Request, Response};
@@ -305,6 +305,17 @@ proptest! {
         }
     }
 
+}
+
+/// A frame of the greatest length has no room for a lost byte, though its check would come out right with one.
+#[test]
+fn what_is_mended_is_no_longer_than_a_frame() {
+    let mut long = [&[1, 0x2B, 4][..], &[7; 252]].concat();
+    long.extend(crc16(&long).to_le_bytes());
+    long.remove(200);
+    assert_eq!(long.len(), rtu::MAX_ADU_LEN);
+    let found = damage(Mode::Rtu, &long, Surroundings::UNKNOWN);
+    assert!(found.iter().filter_map(Diagnosis::repaired).all(|repaired| rtu::decode(repaired).is_ok()), "{found:?}");
 }
 
 proptest! {

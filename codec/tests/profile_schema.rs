@@ -106,6 +106,7 @@ fn the_schema_refuses_what_the_loader_refuses() {
         ("/examples/0/registers", json!(1)),
         ("/errata/0/printed", json!("0")),
         ("/notes", json!(["text"])),
+        ("/choices/bauds", json!([9600, 9600])),
     ];
     let schema = schema();
     for (place, value) in changes {
@@ -219,6 +220,11 @@ fn check(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
                     check(root, rule, item)?;
                 }
                 true
+            }
+            "uniqueItems" => {
+                let items = value.as_array().into_iter().flatten();
+                let twice = items.enumerate().any(|(at, item)| value.as_array().unwrap()[..at].contains(item));
+                rule != true || !twice
             }
             "anyOf" => rule.as_array().unwrap().iter().any(|rule| check(root, rule, value).is_ok()),
             "oneOf" => rule.as_array().unwrap().iter().filter(|rule| check(root, rule, value).is_ok()).count() == 1,

@@ -7,6 +7,7 @@ use super::shape::{self, Extent};
 use super::{Diagnosis, Placed, Surroundings};
 use crate::check::{crc16, lrc};
 use crate::dissect::Direction;
+use crate::rtu::MAX_ADU_LEN;
 
 /// Fewest bytes of a frame that is cut off: unit id, function code and two more say enough to tell it from noise.
 const MIN_TRUNCATED_LEN: usize = 4;
@@ -86,7 +87,7 @@ pub(crate) fn specific(frame: &[u8], around: Surroundings<'_>) -> Vec<Diagnosis>
 
 /// Whether the bytes have the shape of a whole frame, whatever their check says.
 pub(crate) fn is_whole(frame: &[u8], around: Surroundings<'_>) -> bool {
-    let Some(pdu) = pdu(frame) else { return false };
+    let Some(pdu) = pdu(frame).filter(|_| frame.len() <= MAX_ADU_LEN) else { return false };
     pdu.first().is_some_and(|function| shape::is_known(*function)) && around.admits(shape::sides(pdu))
 }
 

@@ -131,10 +131,10 @@ fn mode(node: Node<'_>) -> Found<Mode> {
 fn choices(node: Node<'_>) -> Found<Choices> {
     let object = Object::of(node, &["bauds", "parities", "stop_bits", "modes"])?;
     Ok(Choices {
-        bauds: list(object.find("bauds"), baud)?,
-        parities: list(object.find("parities"), parity)?,
-        stop_bits: list(object.find("stop_bits"), stop_bits)?,
-        modes: list(object.find("modes"), mode)?,
+        bauds: json::choices(object.find("bauds"), baud)?,
+        parities: json::choices(object.find("parities"), parity)?,
+        stop_bits: json::choices(object.find("stop_bits"), stop_bits)?,
+        modes: json::choices(object.find("modes"), mode)?,
     })
 }
 
@@ -300,6 +300,7 @@ mod tests {
             0,
             &[
                 ("\"mode\": \"rtu\"", "\"mode\": \"rtx\"", "\"mode\": ", "rtx is none of rtu, ascii"),
+                ("\"bauds\": [", "\"bauds\": [9600, ", "\"bauds\"", "listed twice"),
                 ("\"format\": 1", "\"format\": 2", "\"format\"", "reads format 1"),
                 ("\"id\": \"displacement\"", "\"id\": \"temperature\"", "\"id\": \"displacement\"", "another point"),
                 ("\"id\": \"displacement\"", "\"id\": \"Displacement\"", "\"id\": \"displacement\"", "lower-case"),

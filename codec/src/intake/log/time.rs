@@ -45,8 +45,10 @@ fn date(codes: &[u8], at: usize, first: u64, end: usize) -> Option<(Stamp, usize
         _ => return None,
     };
     let plausible = (1970..=2199).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
-    let days = days(year, month, day);
-    plausible.then_some((Stamp::Date(Some(days * DAY_US)), after_date(codes, last)?))
+    if !plausible {
+        return None;
+    }
+    Some((Stamp::Date(Some(days(year, month, day) * DAY_US)), after_date(codes, last)?))
 }
 
 /// Behind a date, a `T` before the time goes with it; a letter or a digit makes it no date.
@@ -58,7 +60,8 @@ fn after_date(codes: &[u8], at: usize) -> Option<usize> {
     }
 }
 
-/// Days from 1970-01-01, in the Gregorian calendar; the year begins in March for the leap day to be its last.
+/// Days from 1970-01-01 to a day not before it, in the Gregorian calendar; the year begins in March for the leap day to be
+/// its last.
 fn days(year: u64, month: u64, day: u64) -> u64 {
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let before = year * 365 + year / 4 - year / 100 + year / 400 + (month * 153 + 2) / 5 + day;
@@ -212,6 +215,8 @@ mod tests {
             "12:3",
             "1.2.3",
             "2024-05-010",
+            // There is no year before it to which January and February could belong.
+            "0000-02-01",
         ] {
             check(text, None);
         }

@@ -84,6 +84,19 @@ pub(super) fn list<'a, T>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Fou
     Ok(all)
 }
 
+/// A list that holds nothing twice.
+pub(super) fn choices<'a, T: PartialEq>(node: Option<Node<'a>>, read: impl Fn(Node<'a>) -> Found<T>) -> Found<Vec<T>> {
+    let mut all = Vec::new();
+    for item in optional(node, items)? {
+        let choice = read(item)?;
+        if all.contains(&choice) {
+            return fault(item, "is listed twice");
+        }
+        all.push(choice);
+    }
+    Ok(all)
+}
+
 pub(super) fn text(node: Node<'_>) -> Found<String> {
     node.to_unquoted_string_str().map_or_else(|_| fault(node, "must be a text in quotes"), |text| Ok(text.into_owned()))
 }

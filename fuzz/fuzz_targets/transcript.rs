@@ -1,0 +1,7 @@
+//! Streams with what their source tells of them. The law stands in `codec/tests/laws`.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| buslens_fuzz::check(env!("CARGO_BIN_NAME"), data));
