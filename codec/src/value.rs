@@ -3,6 +3,7 @@
 
 mod decimal;
 mod encoding;
+mod float;
 
 use core::fmt;
 
@@ -44,20 +45,12 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(decimal) => decimal.fmt(f),
-            Self::Float(float) if reads_well(f64::from(*float)) => write!(f, "{float}"),
-            Self::Float(float) => write!(f, "{float:e}"),
-            Self::Double(float) if reads_well(*float) => write!(f, "{float}"),
-            Self::Double(float) => write!(f, "{float:e}"),
+            Self::Float(float) => float::write(f, f64::from(*float), true),
+            Self::Double(float) => float::write(f, *float, false),
             Self::Code(code) => code.fmt(f),
             Self::Text(text) => text.fmt(f),
         }
     }
-}
-
-/// Whether a float is legible without an exponent. The digits of 1e300 would fill five lines.
-fn reads_well(float: f64) -> bool {
-    let size = float.abs();
-    size == 0.0 || (1e-6..1e12).contains(&size) || !float.is_finite()
 }
 
 /// Characters in registers, at most [`Text::MAX_LEN`] bytes of any value. NULs behind the last character are no part of it.
