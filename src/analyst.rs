@@ -22,21 +22,21 @@ pub(crate) fn start(hear: impl Fn(FromAnalyst, JsValue) + 'static) {
     }
     let worker = match new_worker() {
         Ok(worker) => worker,
-        Err(error) => return crash::show(&format!("the analyst's worker does not start: {error:?}")),
+        Err(error) => return crash::report(&["the analyst's worker does not start: ", &crash::words(&error)].concat()),
     };
     let on_message = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
         let parts: Array = event.data().unchecked_into();
         let bytes = parts.get(0).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default();
         match postcard::from_bytes(&bytes) {
-            Ok(FromAnalyst::Panicked(details)) => crash::show(&details),
+            Ok(FromAnalyst::Panicked(details)) => crash::report(&details),
             Ok(message) => hear(message, parts.get(1)),
-            Err(error) => crash::show(&format!("the analyst sent a message that cannot be read: {error}")),
+            Err(error) => crash::report(&format!("the analyst sent a message that cannot be read: {error}")),
         }
     });
     worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
     on_message.forget();
     let on_error = Closure::<dyn Fn(ErrorEvent)>::new(|event: ErrorEvent| {
-        crash::show(&["the analyst's worker failed: ", &event.message()].concat());
+        crash::report(&["the analyst's worker failed: ", &event.message()].concat());
     });
     worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
     on_error.forget();

@@ -1,21 +1,21 @@
 //! Wires the window together: the state that outlives a page, the engine's messages, the shell around the pages.
 
+use std::ops::Deref;
 use std::time::Duration;
 
 use crate::reactive::prelude::*;
-use buslens_analyst::message::{FromAnalyst, Sums};
-use buslens_codec::intake::IntakeError;
 use wasm_bindgen::JsCast;
 
-use crate::analyst;
-
+use crate::ambient::Ambient;
 use crate::components::shell::{rail, top_bar};
+use crate::crash;
 use crate::dom::{el, mount, on_window, react};
 use crate::history::History;
 use crate::link;
-use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow};
-use crate::pages::{Desk, builder_page, decoder_page, live_page};
-use crate::route::{self, Route};
+use crate::loader::{self, Loading};
+use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow, ToWorkbench};
+use crate::pages::live_page;
+use crate::route::{self, Page};
 use crate::serial::PickFault;
 use crate::settings::Settings;
 use crate::storage;
@@ -27,17 +27,17 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Puts the page into the document.
 pub(crate) fn start() {
+    crash::watch(crash::show);
     crate::reactive::run_forever(build);
 }
 
 /// What every part of the page may look at. Signals only: free of JS handles.
 pub(crate) struct App {
-    /// The language of all texts.
-    pub(crate) language: RwSignal<Language>,
+    ambient: Ambient,
+    /// The page shown.
+    pub(crate) page: RwSignal<Page>,
     /// Light or dark.
     pub(crate) theme: RwSignal<Theme>,
-    /// The page shown.
-    pub(crate) route: RwSignal<Route>,
     /// The granted ports.
     pub(crate) ports: RwSignal<Vec<PortId>>,
     /// What the engine said last.
@@ -50,10 +50,8 @@ pub(crate) struct App {
     pub(crate) settings: Settings,
     /// What has been read; [`Self::history_turn`] tells of changes.
     pub(crate) history: StoredValue<History>,
-    /// The Decoder page's state.
-    pub(crate) decoder: Desk,
-    /// The last text whose checks the analyst has made, and what came of it.
-    pub(crate) sums: RwSignal<Option<Summed>>,
+    /// How far the second program is.
+    pub(crate) workbench: RwSignal<Loading>,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
     /// Ticks ten times a second while connected, and whenever the window changes its size.
@@ -64,8 +62,13 @@ pub(crate) struct App {
     pub(crate) phase: Memo<Phase>,
 }
 
-/// A text with the checks of its bytes, `None` where it holds none; or its first fault.
-pub(crate) type Summed = (String, Result<Option<Sums>, IntakeError>);
+impl Deref for App {
+    type Target = Ambient;
+
+    fn deref(&self) -> &Ambient {
+        &self.ambient
+    }
+}
 
 /// Link and device in one word: what the top bar says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,17 +146,16 @@ impl App {
     fn new() -> Self {
         let status = RwSignal::new(Status::default());
         Self {
-            language: follow_language(),
+            ambient: Ambient { language: follow_language() },
             theme: theme::follow(),
-            route: route::follow(),
             ports: RwSignal::default(),
             status,
             connection: RwSignal::new(None),
             pick_fault: RwSignal::new(None),
             settings: Settings::remembered(),
             history: StoredValue::new(History::default()),
-            decoder: Desk::remembered(),
-            sums: RwSignal::new(None),
+            page: route::follow(),
+            workbench: RwSignal::new(Loading::Absent),
             history_turn: RwSignal::new(0),
             clock_turn: RwSignal::new(0),
             clock_lead_s: StoredValue::new(None),
@@ -168,14 +170,6 @@ impl App {
         self.status.set(Status { link: Link::Opening, ..Status::default() });
         link::send(&ToEngine::Connect(connection.clone()));
         self.connection.set(Some(connection));
-    }
-
-    /// Starts the analyst's worker, if it has not been.
-    pub(crate) fn start_analyst(&'static self) {
-        analyst::start(move |message, beside| match message {
-            FromAnalyst::Sums(text, sums) => self.sums.set(Some((text, sums))),
-            message => self.decoder.hear(message, &beside),
-        });
     }
 
     /// Starts the statistics anew.
@@ -220,6 +214,7 @@ fn build() {
     let app: &'static App = Box::leak(Box::new(App::new()));
     tick_while_connected(app);
     link::start(move |message| app.hear(message));
+    loader::follow(app);
     on_window("pagehide", |_| link::end());
     on_window("resize", |_| app.clock_turn.update(|turn| *turn = turn.wrapping_add(1)));
     // A page that comes back from the browser's memory has lost its engine.
@@ -229,9 +224,7 @@ fn build() {
         }
     });
     // What an address carries beside the page is the page's own affair.
-    let on = |wanted: fn(&Route) -> bool| Memo::new(move |_| app.route.with(wanted));
-    let live = on(|route| matches!(route, Route::Live));
-    let builder = on(|route| matches!(route, Route::Builder));
+    let page = Memo::new(move |_| app.page.get());
     let skip = el("a").class("skip").attr("href", "#content").say(app, Language::skip_to_content);
     mount(skip.on("click", |event| {
         event.prevent_default();
@@ -239,12 +232,9 @@ fn build() {
     }));
     let content = el("main").class("content").attr("id", "content").attr("tabindex", "-1");
     let content = content.live_one(move || {
-        Some(if live.get() {
-            live_page(app)
-        } else if builder.get() {
-            builder_page(app)
-        } else {
-            decoder_page(app)
+        Some(match page.get() {
+            Page::Live => live_page(app),
+            page => loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None)),
         })
     });
     mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));

@@ -6,6 +6,10 @@ const hold = (event) => early.push(event);
 if (inWindow) {
   globalThis.buslensWorker = import.meta.url;
   globalThis.buslensAnalyst = new URL("analyst.js", import.meta.url).href;
+  // A browser may remember that an address failed, so each further attempt has one of its own.
+  const workbench = new URL("workbench.js", import.meta.url).href;
+  let attempts = 0;
+  globalThis.buslensWorkbench = () => import(attempts++ ? `${workbench}?${attempts}` : workbench);
 }
 // What the window says before the worker's program listens is kept for it.
 else addEventListener("message", hold);

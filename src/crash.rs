@@ -1,15 +1,34 @@
 //! The page after an internal fault: plain DOM, because nothing else can be trusted any more.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use wasm_bindgen::prelude::*;
 use web_sys::{Document, Element};
 
 use crate::text::Language;
 
-/// Makes a panic of the window end the engine and show the page.
-pub(crate) fn watch_panics() {
-    std::panic::set_hook(Box::new(|info| show(&info.to_string())));
+/// What is done about a fault.
+type Act = Box<dyn Fn(&str)>;
+
+thread_local! {
+    static ACT: RefCell<Option<Act>> = const { RefCell::new(None) };
+}
+
+/// Has `act` called with the details of every fault of the program, panics among them.
+pub(crate) fn watch(act: impl Fn(&str) + 'static) {
+    ACT.set(Some(Box::new(act)));
+    std::panic::set_hook(Box::new(|info| report(&info.to_string())));
+}
+
+/// Reports a fault that leaves nothing to go on with.
+pub(crate) fn report(details: &str) {
+    ACT.with(|act| {
+        if let Ok(act) = act.try_borrow()
+            && let Some(act) = &*act
+        {
+            act(details);
+        }
+    });
 }
 
 /// Ends the engine, which closes the port, and shows what happened. Only the first fault counts: the rest follow from it.
@@ -23,6 +42,13 @@ pub(crate) fn show(details: &str) {
     crate::link::end();
     // A page without a document cannot be shown; there is nobody left to tell.
     let _ = draw(details);
+}
+
+#[wasm_bindgen]
+extern "C" {
+    /// Any value of the browser's as a text.
+    #[wasm_bindgen(js_name = String)]
+    pub(crate) fn words(value: &JsValue) -> String;
 }
 
 fn draw(details: &str) -> Option<()> {

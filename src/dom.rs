@@ -13,7 +13,7 @@ use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
 
-use crate::app::App;
+use crate::ambient::Ambient;
 use crate::text::Language;
 
 const SVG: &str = "http://www.w3.org/2000/svg";
@@ -23,12 +23,12 @@ pub(crate) struct El(Element);
 
 /// A new HTML element.
 pub(crate) fn el(tag: &str) -> El {
-    El(document().create_element(tag).expect("the names of elements are literals"))
+    made(document().create_element(tag))
 }
 
 /// A new SVG element.
 pub(crate) fn svg(tag: &str) -> El {
-    El(document().create_element_ns(Some(SVG), tag).expect("the names of elements are literals"))
+    made(document().create_element_ns(Some(SVG), tag))
 }
 
 /// Puts an element at the end of the page.
@@ -73,7 +73,7 @@ impl El {
     }
 
     /// Adds a text of the page, which follows the language.
-    pub(crate) fn say(self, app: &'static App, pick: fn(Language) -> &'static str) -> Self {
+    pub(crate) fn say(self, app: &'static Ambient, pick: fn(Language) -> &'static str) -> Self {
         self.live_text(move || pick(app.language.get()).to_owned())
     }
 
@@ -90,7 +90,7 @@ impl El {
     }
 
     /// Labels the element for those who cannot see it, and by a tooltip.
-    pub(crate) fn label(self, app: &'static App, pick: fn(Language) -> &'static str) -> Self {
+    pub(crate) fn label(self, app: &'static Ambient, pick: fn(Language) -> &'static str) -> Self {
         self.live_attr("aria-label", move || Some(pick(app.language.get()).to_owned()))
     }
 
@@ -227,6 +227,18 @@ impl Handle {
         next.and_then(|next| next.dyn_into::<Node>().ok()).is_some_and(|next| self.0.contains(Some(&next)))
     }
 
+    /// Puts it at the end of another element, if it is not in there already.
+    pub(crate) fn move_into(&self, place: &Element) {
+        if !place.is_same_node(self.0.parent_node().as_ref()) {
+            append(place, &self.0);
+        }
+    }
+
+    /// The element for the other program in the window.
+    pub(crate) fn js(&self) -> &JsValue {
+        &self.0
+    }
+
     /// Adds an element at its end.
     pub(crate) fn append(&self, child: &El) {
         append(&self.0, &child.0);
@@ -264,6 +276,12 @@ pub(crate) fn key(event: &Event) -> String {
 /// The value of the field that an event came from.
 pub(crate) fn value(event: &Event) -> String {
     event.target().map(|target| value_of(&target)).unwrap_or_default()
+}
+
+/// An element that could be made. A panic that told the browser's reason would cost the download a printer of any value.
+fn made(element: Result<Element, JsValue>) -> El {
+    let Ok(element) = element else { unreachable!("the names of elements are literals") };
+    El(element)
 }
 
 fn react_boxed(mut act: Box<dyn FnMut()>) {

@@ -19,7 +19,7 @@ thread_local! {
 pub(crate) fn start(hear: impl Fn(ToWindow) + 'static) {
     let worker = match new_worker() {
         Ok(worker) => worker,
-        Err(error) => return crash::show(&format!("the engine's worker does not start: {error:?}")),
+        Err(error) => return crash::show(&["the engine's worker does not start: ", &crash::words(&error)].concat()),
     };
     let on_message = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
         let bytes = event.data().dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default();

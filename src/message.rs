@@ -10,6 +10,9 @@ use buslens_codec::pdu::ExceptionCode;
 use buslens_codec::value::Value;
 use serde::{Deserialize, Serialize};
 
+use crate::route::Page;
+use crate::text::Language;
+
 /// Window to engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum ToEngine {
@@ -30,6 +33,30 @@ pub(crate) enum ToWindow {
     Status(Status),
     /// The engine has failed for good; its worker must be ended, which closes the port.
     Panicked(String),
+}
+
+/// The window's first program to its second one, the workbench. An element or a function comes beside some of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum ToWorkbench {
+    /// Begin, with all texts in this language. Beside it: the function that a fault's details are told to.
+    Start(Language),
+    /// The language is another one.
+    Language(Language),
+    /// Show this page, or none. Beside it: the element that it is to stand in.
+    Page(Option<Page>),
+    /// Show an exchange, or none. Beside it: the element that it is to stand in.
+    Exchange(Option<Exchange>),
+}
+
+/// An exchange with what is needed to explain it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Exchange {
+    /// Id of the device's profile.
+    pub device: String,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// The bytes.
+    pub frames: Frames,
 }
 
 /// A granted serial port, as far as a page may know it.

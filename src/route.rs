@@ -1,46 +1,66 @@
-//! Which page is shown: the part of the address after `#`.
+//! Which page is shown, and what it is given to read: the part of the address after `#`.
 
 use crate::reactive::prelude::*;
+use serde::{Deserialize, Serialize};
 use wasm_bindgen::JsValue;
 
 use crate::dom::on_window;
 
-/// A page with what its address carries.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Route {
+/// A page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Page {
     /// `#/live`, and everything unknown.
     Live,
     /// `#/decoder?frame=HEX`, with any number of frames, or `#/decoder?text=TEXT`.
-    Decoder {
-        /// What the address brings to be read; empty for nothing.
-        text: String,
-    },
+    Decoder,
     /// `#/builder`.
     Builder,
 }
 
-impl Route {
-    /// Reads the address's part from `#` on.
-    pub(crate) fn parse(hash: &str) -> Self {
-        let (path, query) = hash.trim_start_matches('#').split_once('?').unwrap_or((hash.trim_start_matches('#'), ""));
-        match path.trim_matches('/') {
-            "decoder" => {
-                let values = |key: &'static str| query.split('&').filter_map(move |pair| pair.strip_prefix(key));
-                let frames: Vec<String> = values("frame=").filter(|frame| !frame.is_empty()).map(spaced).collect();
-                let text = values("text=").next().and_then(decoded).unwrap_or_else(|| frames.join("\n"));
-                Self::Decoder { text }
-            }
+impl Page {
+    /// The page of an address's part from `#` on.
+    pub(crate) fn of(hash: &str) -> Self {
+        match parts(hash).0 {
+            "decoder" => Self::Decoder,
             "builder" => Self::Builder,
             _ => Self::Live,
         }
     }
 }
 
-/// The route as a signal that follows the address.
-pub(crate) fn follow() -> RwSignal<Route> {
-    let route = RwSignal::new(current());
-    on_window("hashchange", move |_| route.set(current()));
-    route
+/// The page as a signal that follows the address.
+pub(crate) fn follow() -> RwSignal<Page> {
+    follow_as(Page::of)
+}
+
+/// What the address brings to be read, as a signal that follows it; empty for nothing.
+pub(crate) fn follow_text() -> RwSignal<String> {
+    follow_as(text_of)
+}
+
+fn follow_as<T: Send + Sync + 'static>(read: fn(&str) -> T) -> RwSignal<T> {
+    let current = move || read(&window().location().hash().unwrap_or_default());
+    let signal = RwSignal::new(current());
+    on_window("hashchange", move |_| signal.set(current()));
+    signal
+}
+
+/// Path and query of an address's part from `#` on.
+fn parts(hash: &str) -> (&str, &str) {
+    let address = hash.trim_start_matches('#');
+    let (path, query) = address.split_once('?').unwrap_or((address, ""));
+    (path.trim_matches('/'), query)
+}
+
+/// What an address of the decoder brings.
+fn text_of(hash: &str) -> String {
+    let (path, query) = parts(hash);
+    if path != "decoder" {
+        return String::new();
+    }
+    let values = |key: &'static str| query.split('&').filter_map(move |pair| pair.strip_prefix(key));
+    let frames: Vec<String> = values("frame=").filter(|frame| !frame.is_empty()).map(spaced).collect();
+    values("text=").next().and_then(decoded).unwrap_or_else(|| frames.join("\n"))
 }
 
 /// Takes the text out of the address once it is on the page, so that a reload does not bring it back over what was typed
@@ -98,10 +118,6 @@ pub(crate) fn decoder_link(frames: &[&[u8]]) -> String {
     link
 }
 
-fn current() -> Route {
-    Route::parse(&window().location().hash().unwrap_or_default())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,28 +125,27 @@ mod tests {
     #[test]
     fn unknown_addresses_lead_to_the_live_page() {
         for hash in ["", "#", "#/live", "#/nowhere", "#live?frame=00"] {
-            assert_eq!(Route::parse(hash), Route::Live, "{hash}");
+            assert_eq!((Page::of(hash), text_of(hash)), (Page::Live, String::new()), "{hash}");
         }
     }
 
     #[test]
     fn the_builder_has_an_address() {
-        assert_eq!(Route::parse("#/builder"), Route::Builder);
+        assert_eq!(Page::of("#/builder"), Page::Builder);
     }
 
     #[test]
     fn a_link_brings_its_frames_back() {
         let link = decoder_link(&[&[0x0C, 0x04], &[], &[0xFF]]);
         assert_eq!(link, "#/decoder?frame=0C04&frame=FF");
-        assert_eq!(Route::parse(&link), Route::Decoder { text: "0C 04\nFF".to_owned() });
-        assert_eq!(Route::parse(&decoder_link(&[])), Route::Decoder { text: String::new() });
+        assert_eq!((Page::of(&link), text_of(&link).as_str()), (Page::Decoder, "0C 04\nFF"));
+        assert_eq!((Page::of(&decoder_link(&[])), text_of(&decoder_link(&[]))), (Page::Decoder, String::new()));
     }
 
     #[test]
     fn a_text_in_a_link_is_taken_as_it_was() {
-        let parse = |query: &str| Route::parse(&["#/decoder?text=", query].concat());
-        assert_eq!(parse("%E5%8F%91%3A%2001%0A%26"), Route::Decoder { text: "发: 01\n&".to_owned() });
-        assert_eq!(parse("01%2"), Route::Decoder { text: String::new() });
-        assert_eq!(parse("%FF"), Route::Decoder { text: String::new() });
+        let text = |query: &str| text_of(&["#/decoder?text=", query].concat());
+        assert_eq!(text("%E5%8F%91%3A%2001%0A%26"), "发: 01\n&");
+        assert_eq!((text("01%2"), text("%FF")), (String::new(), String::new()));
     }
 }

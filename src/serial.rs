@@ -14,6 +14,7 @@ use js_sys::{Array, Object, Promise, Reflect, Uint8Array};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
+use crate::crash;
 use crate::engine::port::{Port, PortEvent};
 use crate::message::{OpenFault, PortId};
 
@@ -353,7 +354,7 @@ fn error_name(error: &JsValue) -> String {
 
 fn error_message(error: &JsValue) -> String {
     let message = text_property(error, "message");
-    if message.is_empty() { format!("{error:?}") } else { message }
+    if message.is_empty() { crash::words(error) } else { message }
 }
 
 fn text_property(value: &JsValue, key: &str) -> String {

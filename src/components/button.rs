@@ -1,18 +1,18 @@
 //! Buttons.
 
 use super::icon::{Icon, icon};
-use crate::app::App;
+use crate::ambient::Ambient;
 use crate::dom::{El, el};
 use crate::text::Language;
 
 /// A button with a text. `hook` names it for the tests, `look` is one or more of `primary`, `quiet`, `small`, `large`, `square`.
-pub(crate) fn button(app: &'static App, look: &str, hook: &str, text: fn(Language) -> &'static str) -> El {
+pub(crate) fn button(app: &'static Ambient, look: &str, hook: &str, text: fn(Language) -> &'static str) -> El {
     bare(look, hook).say(app, text)
 }
 
 /// A button with an icon before its text.
 pub(crate) fn icon_button(
-    app: &'static App,
+    app: &'static Ambient,
     look: &str,
     hook: &str,
     mark: Icon,
@@ -22,7 +22,7 @@ pub(crate) fn icon_button(
 }
 
 /// A button that opens a few others below it; choosing one of them, or going elsewhere, closes them again.
-pub(crate) fn menu(app: &'static App, hook: &str, text: fn(Language) -> &'static str, items: Vec<El>) -> El {
+pub(crate) fn menu(app: &'static Ambient, hook: &str, text: fn(Language) -> &'static str, items: Vec<El>) -> El {
     let summary = el("summary").class("button quiet small").test(hook).say(app, text);
     let menu = el("details").class("menu");
     let (chosen, left) = (menu.handle(), menu.handle());

@@ -4,13 +4,13 @@ use std::rc::Rc;
 
 use crate::reactive::prelude::*;
 
-use crate::app::App;
+use crate::ambient::Ambient;
 use crate::dom::{El, el};
 use crate::text::Language;
 
 /// One field with its note, which is tied to the control by `id`.
 pub(crate) fn field(
-    app: &'static App,
+    app: &'static Ambient,
     id: &'static str,
     label: fn(Language) -> &'static str,
     control: El,

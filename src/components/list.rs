@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-use crate::app::App;
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::text::Label;
+use crate::workbench::Workbench;
 
 /// Height of a row in pixels; the style sheet draws them so.
 const ROW: f64 = 32.0;
@@ -25,11 +25,11 @@ pub(crate) struct Source {
     /// Changes whenever rows have become other ones or have come in.
     pub(crate) turn: RwSignal<u32>,
     /// Tells a row's contents apart, or `None` until it is there: a row whose number has not changed is not drawn anew.
-    pub(crate) stamp: fn(&'static App, u32) -> Option<u64>,
+    pub(crate) stamp: fn(&'static Workbench, u32) -> Option<u64>,
     /// Draws a row that is there. Nothing in it may listen or follow signals.
-    pub(crate) draw: fn(&'static App, u32) -> Option<El>,
+    pub(crate) draw: fn(&'static Workbench, u32) -> Option<El>,
     /// Told which rows will be looked at.
-    pub(crate) want: fn(&'static App, Range<u32>),
+    pub(crate) want: fn(&'static Workbench, Range<u32>),
     /// The chosen row.
     pub(crate) chosen: RwSignal<u32>,
     /// A row's name for the tests.
@@ -37,7 +37,7 @@ pub(crate) struct Source {
 }
 
 /// The list, below a head that does not scroll.
-pub(crate) fn list(app: &'static App, class: &str, label: Label, head: El, source: Source) -> El {
+pub(crate) fn list(app: &'static Workbench, class: &str, label: Label, head: El, source: Source) -> El {
     let source = Rc::new(source);
     let canvas = el("div").class("list-canvas").attr("role", "presentation");
     let frame =
@@ -74,7 +74,7 @@ pub(crate) fn list(app: &'static App, class: &str, label: Label, head: El, sourc
         source.turn.track();
         source.chosen.track();
         app.language.track();
-        app.clock_turn.track();
+        app.size_turn.track();
         painter.resize(source.total.get());
         painter.paint();
     });
@@ -107,7 +107,7 @@ impl Drawn {
 }
 
 struct Painter {
-    app: &'static App,
+    app: &'static Workbench,
     frame: dom::Handle,
     canvas: dom::Handle,
     source: Rc<Source>,

@@ -11,15 +11,15 @@ use crate::format;
 use crate::link;
 use crate::message::{Connection, Source, ToEngine};
 use crate::ports;
-use crate::route::Route;
+use crate::route::Page;
 use crate::text::Language;
 use crate::theme::Theme;
 
 /// The pages. A bar at the bottom of a narrow screen.
 pub(crate) fn rail(app: &'static App) -> El {
-    let live = move || app.route.with(|route| matches!(route, Route::Live));
-    let decoder = move || app.route.with(|route| matches!(route, Route::Decoder { .. }));
-    let builder = move || app.route.with(|route| matches!(route, Route::Builder));
+    let live = move || app.page.get() == Page::Live;
+    let decoder = move || app.page.get() == Page::Decoder;
+    let builder = move || app.page.get() == Page::Builder;
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
     let mark = mark
         .child(svg("circle").attr("cx", "9").attr("cy", "9").attr("r", "6.5"))

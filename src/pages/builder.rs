@@ -9,13 +9,13 @@ mod words;
 
 use crate::reactive::prelude::*;
 
-use crate::app::App;
 use crate::builder::{Draft, Slot};
 use crate::components::button::bare;
 use crate::components::field::{choice, field};
 use crate::dom::{El, el, react};
 use crate::format::hex;
 use crate::text::Language;
+use crate::workbench::Workbench;
 use form::Form;
 use frame::Frames;
 
@@ -38,8 +38,8 @@ impl Built {
 }
 
 /// The page.
-pub(crate) fn builder_page(app: &'static App) -> El {
-    let form = Form::remembered(app);
+pub(crate) fn builder_page(app: &'static Workbench) -> El {
+    let form = Form::remembered();
     let built = Memo::new(move |_| Built::of(form));
     el("div")
         .class("page builder")
@@ -55,7 +55,7 @@ pub(crate) fn builder_page(app: &'static App) -> El {
         )
 }
 
-fn form_card(app: &'static App, form: Form, built: Memo<Built>) -> El {
+fn form_card(app: &'static Workbench, form: Form, built: Memo<Built>) -> El {
     let ways = [
         ("request", Language::way_request as Label),
         ("response", Language::way_response),
@@ -88,7 +88,7 @@ fn form_card(app: &'static App, form: Form, built: Memo<Built>) -> El {
         .child(message)
 }
 
-fn function_field(app: &'static App, form: Form) -> El {
+fn function_field(app: &'static Workbench, form: Form) -> El {
     let options = move || {
         let language = app.language.get();
         let named = crate::builder::FUNCTIONS.map(|code| {
@@ -103,7 +103,13 @@ fn function_field(app: &'static App, form: Form) -> El {
 }
 
 /// Buttons of which one is pressed. Each is named `prefix-key` for the tests.
-fn tabs(app: &'static App, label: Label, prefix: &str, chosen: RwSignal<String>, tabs: &[(&'static str, Label)]) -> El {
+fn tabs(
+    app: &'static Workbench,
+    label: Label,
+    prefix: &str,
+    chosen: RwSignal<String>,
+    tabs: &[(&'static str, Label)],
+) -> El {
     let tab = |&(key, text): &(&'static str, Label)| {
         el("button")
             .attr("type", "button")
@@ -120,7 +126,7 @@ const MODES: [(&str, Label); 2] = [("rtu", |_| "RTU"), ("ascii", |_| "ASCII")];
 
 /// A button that copies a text and says so until another text stands there. Where the clipboard is missing or refuses,
 /// it selects the element `shown` for the user to copy.
-fn copy_button(app: &'static App, hook: &str, shown: String, text: String) -> El {
+fn copy_button(app: &'static Workbench, hook: &str, shown: String, text: String) -> El {
     let copied = RwSignal::new(false);
     bare("quiet small", hook)
         .attr("aria-live", "polite")

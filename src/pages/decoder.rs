@@ -6,22 +6,21 @@ mod frames;
 mod input;
 mod tools;
 
-use crate::app::App;
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
-use crate::route::{self, Route};
+use crate::route;
 use crate::text::Language;
+use crate::workbench::Workbench;
 
 pub(crate) use desk::Desk;
 
 /// The page.
-pub(crate) fn decoder_page(app: &'static App) -> El {
+pub(crate) fn decoder_page(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     desk.start(app);
     dom::react(move || {
-        if let Route::Decoder { text } = app.route.get()
-            && !text.is_empty()
-        {
+        let text = app.brought.get();
+        if !text.is_empty() {
             desk.replace(text);
             route::forget_text();
         }

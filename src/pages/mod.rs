@@ -6,4 +6,4 @@ mod live;
 
 pub(crate) use builder::builder_page;
 pub(crate) use decoder::{Desk, decoder_page};
-pub(crate) use live::live_page;
+pub(crate) use live::{exchange_halves, live_page};

@@ -12,11 +12,13 @@ mod faults;
 mod live;
 mod shell;
 
+use serde::{Deserialize, Serialize};
+
 /// A text of the page that takes no arguments.
 pub(crate) type Label = fn(Language) -> &'static str;
 
 /// The languages of the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Language {
     /// English.
     En,

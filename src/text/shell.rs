@@ -13,6 +13,10 @@ texts! {
     theme_dark => "Theme: dark" | "主题：深色";
     skip_to_content => "Skip to content" | "跳到正文";
 
+    loading => "Loading…" | "正在加载…";
+    loading_failed => "This part of the page could not be loaded. Check the network connection." | "这一部分未能加载，请检查网络连接。";
+    load_again => "Try again" | "重试";
+
     no_port => "No port" | "未选串口";
     simulator => "Simulated sensor" | "模拟传感器";
     serial_port => "Serial port" | "串口";

@@ -48,10 +48,10 @@ impl FirstLoad {
 /// Builds the site into `folder`, which is replaced as a whole.
 pub(crate) fn build(options: Options, folder: &Path) -> Result<FirstLoad> {
     let toolchain = Wasm::find(options.debian_std)?;
-    let page = compile(toolchain, PAGE)?;
-    let analyst = compile(toolchain, ANALYST)?;
+    let programs = [PAGE, WORKBENCH, ANALYST].map(|program| compile(toolchain, program));
     println!("site: binding and compressing");
-    let site = assemble(&bind(&page, options.symbols)?, &bind(&analyst, options.symbols)?)?;
+    let [page, workbench, analyst] = programs.map(|compiled| bind(&compiled?, options.symbols));
+    let site = assemble(&page?, &workbench?, &analyst?)?;
     let pack = |files: Vec<File>| files.into_iter().map(Packed::new).collect::<Result<Vec<_>>>();
     let (first, later) = (pack(site.first)?, pack(site.later)?);
     write(first.iter().chain(&later), folder)?;
@@ -60,23 +60,26 @@ pub(crate) fn build(options: Options, folder: &Path) -> Result<FirstLoad> {
     Ok(FirstLoad { bytes, budget: if options.symbols { usize::MAX } else { BUDGET } })
 }
 
-/// A program of the site: its package and binary, which have the same name, and the profile that it is compiled with.
+/// A program of the site: its package, its binary, and the profile that it is compiled with.
 #[derive(Clone, Copy)]
 struct Program {
+    package: &'static str,
     name: &'static str,
     profile: &'static str,
 }
 
 /// The page with its engine.
-const PAGE: Program = Program { name: "buslens", profile: "site" };
+const PAGE: Program = Program { package: "buslens", name: "buslens", profile: "site" };
+/// Explains and builds frames; loaded when there is one to explain.
+const WORKBENCH: Program = Program { package: "buslens", name: "buslens-workbench", profile: "site" };
 /// Reads whole texts; loaded when there is one to read.
-const ANALYST: Program = Program { name: "buslens-analyst", profile: "analyst" };
+const ANALYST: Program = Program { package: "buslens-analyst", name: "buslens-analyst", profile: "analyst" };
 
 fn compile(toolchain: Wasm, program: Program) -> Result<PathBuf> {
-    let Program { name, profile } = program;
+    let Program { package, name, profile } = program;
     println!("site: compiling {name}");
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", name, "--bin", name, "--profile", profile]);
+    cargo.args(["--package", package, "--bin", name, "--profile", profile]);
     // Panic messages name source files. Without this they would name this machine's folders.
     cargo.env("CARGO_ENCODED_RUSTFLAGS", short_paths().join("\u{1f}"));
     machine::run(&mut cargo)?;
@@ -150,18 +153,26 @@ struct Site {
 }
 
 /// All files. Each file's name is put into the files that refer to it.
-fn assemble(page: &Bound, analyst: &Bound) -> Result<Site> {
+fn assemble(page: &Bound, workbench: &Bound, analyst: &Bound) -> Result<Site> {
     let root = machine::root();
     let source = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
     let named = |stem, extension, bytes| File::named(stem, extension, bytes);
     let analyst_wasm = named("buslens-analyst", "wasm", analyst.wasm.clone());
     let script = replace(&script(&analyst.glue, &source("analyst/boot.js")?)?, "\"analyst.wasm\"", &analyst_wasm.name)?;
     let analyst_script = named("buslens-analyst", "js", minify::js(&script).into_bytes());
+    let (first_styles, workbench_styles) = styles(&root.join("style"))?;
+    let workbench_style = named("buslens-workbench", "css", minify::css(&workbench_styles).into_bytes());
+    let workbench_wasm = named("buslens-workbench", "wasm", workbench.wasm.clone());
+    let script = self::script(&workbench.glue, &source("src/bin/buslens-workbench.js")?)?;
+    let script = replace(&script, "\"workbench.wasm\"", &workbench_wasm.name)?;
+    let script = replace(&script, "\"workbench.css\"", &workbench_style.name)?;
+    let workbench_script = named("buslens-workbench", "js", minify::js(&script).into_bytes());
     let wasm = named("buslens", "wasm", page.wasm.clone());
     let script = replace(&self::script(&page.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
     let script = replace(&script, "\"analyst.js\"", &analyst_script.name)?;
+    let script = replace(&script, "\"workbench.js\"", &workbench_script.name)?;
     let script = named("buslens", "js", minify::js(&script).into_bytes());
-    let style = named("buslens", "css", minify::css(&styles(&root.join("style"))?).into_bytes());
+    let style = named("buslens", "css", minify::css(&first_styles).into_bytes());
     let icon = named("buslens", "svg", source("icon.svg")?.into_bytes());
     let mut page = source("index.html")?;
     for (plain, file) in
@@ -170,7 +181,8 @@ fn assemble(page: &Bound, analyst: &Bound) -> Result<Site> {
         page = replace(&page, plain, &file.name)?;
     }
     let page = File { name: "index.html".to_owned(), bytes: page.into_bytes() };
-    Ok(Site { first: vec![page, script, wasm, style, icon], later: vec![analyst_script, analyst_wasm] })
+    let later = vec![workbench_script, workbench_wasm, workbench_style, analyst_script, analyst_wasm];
+    Ok(Site { first: vec![page, script, wasm, style, icon], later })
 }
 
 /// The one script of window and worker: the generated bindings, which nobody imports any more, and what starts them.
@@ -189,18 +201,24 @@ fn replace(text: &str, quoted: &str, name: &str) -> Result<String> {
     Ok(text.replace(quoted, &format!("\"{name}\"")))
 }
 
-/// All style sheets: the design's tokens first, the others in the order of their names.
-fn styles(folder: &Path) -> Result<String> {
+/// Style sheets of what only the workbench draws.
+const WORKBENCH_STYLES: [&str; 4] = ["builder", "bytes", "decoder", "list"];
+
+/// The style sheets of the first program and of the workbench: the design's tokens first, the others in the order of their
+/// names.
+fn styles(folder: &Path) -> Result<(String, String)> {
     let entries = fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
     let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "css"));
     paths.sort_by_key(|path| (path.file_stem().is_some_and(|stem| stem != "tokens"), path.clone()));
-    let mut all = String::new();
+    let (mut first, mut workbench) = (String::new(), String::new());
     for path in paths {
-        all += &fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let of_workbench = path.file_stem().is_some_and(|stem| WORKBENCH_STYLES.iter().any(|name| stem == *name));
+        let all = if of_workbench { &mut workbench } else { &mut first };
+        *all += &fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
         all.push('\n');
     }
-    Ok(all)
+    Ok((first, workbench))
 }
 
 /// A file with its compressed forms.

@@ -7,7 +7,6 @@ use crate::reactive::prelude::*;
 use super::copy_button;
 use super::words::bytes_fault;
 use crate::analyst;
-use crate::app::App;
 use crate::builder::point;
 use crate::components::field::entry;
 use crate::components::icon::{Icon, icon};
@@ -15,9 +14,10 @@ use crate::dom::{El, el, react};
 use crate::format::{hex, hex_spaced};
 use crate::storage::kept;
 use crate::text::Language;
+use crate::workbench::Workbench;
 
 /// The card.
-pub(super) fn calculator_card(app: &'static App) -> El {
+pub(super) fn calculator_card(app: &'static Workbench) -> El {
     const ID: &str = "calculator-input";
     let typed = kept("calculator", "");
     app.start_analyst();
@@ -45,7 +45,7 @@ pub(super) fn calculator_card(app: &'static App) -> El {
         .child(el("div").class("sums").attr("id", "calculator-input-note").live(results))
 }
 
-fn results(app: &'static App, sums: &Sums) -> El {
+fn results(app: &'static Workbench, sums: &Sums) -> El {
     let language = app.language.get();
     let wire = hex_spaced(&sums.crc.to_le_bytes());
     let lrc = hex(sums.lrc);

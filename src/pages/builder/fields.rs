@@ -6,15 +6,15 @@ use buslens_codec::profile::{Code, Point, Role};
 use super::Built;
 use super::form::Form;
 use super::words::{label, note};
-use crate::app::App;
 use crate::builder::{Slot, point};
 use crate::components::field::{Note, choice, entry, field, labelled, list, option};
 use crate::device::{self, pick};
 use crate::dom::{El, el};
 use crate::text::Language;
+use crate::workbench::Workbench;
 
 /// Device, point, and the point's value where the message holds it.
-pub(super) fn point_fields(app: &'static App, form: Form, built: Memo<Built>) -> Vec<El> {
+pub(super) fn point_fields(app: &'static Workbench, form: Form, built: Memo<Built>) -> Vec<El> {
     let devices = choice("builder-device", form.device, move || {
         let language = app.language.get();
         device::all().iter().map(|device| (device.id().to_owned(), device.name(language).to_owned())).collect()
@@ -37,7 +37,7 @@ pub(super) fn point_fields(app: &'static App, form: Form, built: Memo<Built>) ->
 }
 
 /// One field of the message.
-pub(super) fn slot_field(app: &'static App, form: Form, built: Memo<Built>, slot: Slot) -> El {
+pub(super) fn slot_field(app: &'static Workbench, form: Form, built: Memo<Built>, slot: Slot) -> El {
     let text = form.slot(slot);
     let key = slot.key();
     let is_wrong = move || built.with(|built| built.draft.fault(slot).is_some());
@@ -66,7 +66,7 @@ pub(super) fn slot_field(app: &'static App, form: Form, built: Memo<Built>, slot
 }
 
 /// The value of a point, in its unit or by the names of its codes.
-fn value_field(app: &'static App, form: Form, chosen: &'static Point) -> El {
+fn value_field(app: &'static Workbench, form: Form, chosen: &'static Point) -> El {
     const ID: &str = "builder-point-value";
     let understood = move || form.value.with(|text| point::registers_of(chosen, text));
     let control = if chosen.codes.is_empty() {

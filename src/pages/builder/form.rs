@@ -4,11 +4,10 @@ use crate::reactive::prelude::*;
 use buslens_codec::line::LineSettings;
 use buslens_codec::profile::Point;
 
-use crate::app::App;
 use crate::builder::{Draft, Slot, Way, point};
 use crate::device::{self, Device};
 use crate::message::Source;
-use crate::settings::{BAUDS, parse_baud};
+use crate::settings::{BAUDS, Settings, parse_baud};
 use crate::storage::kept;
 
 /// The choice in the list of functions that stands for a typed one.
@@ -17,7 +16,8 @@ pub(super) const TYPED: &str = "typed";
 /// Every field as it stands on the page.
 #[derive(Clone, Copy)]
 pub(super) struct Form {
-    app: &'static App,
+    /// The line of the connection's settings when the page was opened: they are changed on another page.
+    set_line: Option<LineSettings>,
     /// The device's profile id.
     pub(super) device: RwSignal<String>,
     /// `read:` or `write:` with a point's id; empty for none.
@@ -40,11 +40,12 @@ pub(super) struct Form {
 
 impl Form {
     /// What was remembered.
-    pub(super) fn remembered(app: &'static App) -> Self {
-        let baud = app.settings.baud.get_untracked();
+    pub(super) fn remembered() -> Self {
+        let settings = Settings::remembered();
+        let baud = settings.baud.get_untracked();
         let listed = parse_baud(&baud).is_some_and(|baud| BAUDS.contains(&baud));
         Self {
-            app,
+            set_line: settings.connection(Source::Simulator).map(|connection| connection.line),
             device: kept("builder-device", device::first().id()),
             point: kept("builder-point", ""),
             value: kept("builder-point-value", ""),
@@ -138,8 +139,7 @@ impl Form {
 
     /// The line that the times are those of: the format of the connection's settings at the chosen rate.
     pub(super) fn line(&self) -> LineSettings {
-        let set = self.app.settings.connection(Source::Simulator).map(|connection| connection.line);
-        let line = set.unwrap_or_else(|| self.device().line());
+        let line = self.set_line.unwrap_or_else(|| self.device().line());
         LineSettings { baud: self.baud.with(|baud| parse_baud(baud)).unwrap_or(line.baud), ..line }
     }
 }

@@ -13,7 +13,6 @@ use super::Built;
 use super::form::Form;
 use super::words::{function_name, label};
 use crate::anatomy::Anatomy;
-use crate::app::App;
 use crate::builder::{Draft, Field, Message, Slot, Way, spell};
 use crate::components::button::button;
 use crate::components::bytes::byte_groups;
@@ -25,6 +24,7 @@ use crate::format::{hex, hex_spaced, milliseconds};
 use crate::route::decoder_link;
 use crate::settings::BAUDS;
 use crate::text::Language;
+use crate::workbench::Workbench;
 
 /// A whole message as it goes over the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl Frames {
 }
 
 /// The card.
-pub(super) fn frame_card(app: &'static App, form: Form, built: Memo<Built>) -> El {
+pub(super) fn frame_card(app: &'static Workbench, form: Form, built: Memo<Built>) -> El {
     let spoiled = Memo::new(move |_| form.is_spoiled());
     let rates = choice("builder-baud", form.baud, || BAUDS.map(|baud| (baud.to_string(), baud.to_string())).into());
     let header = el("header")

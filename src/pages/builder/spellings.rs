@@ -5,13 +5,13 @@ use buslens_codec::line::Mode;
 
 use super::form::Form;
 use super::{Built, Label, MODES, copy_button, tabs};
-use crate::app::App;
 use crate::builder::spell::Spelling;
 use crate::dom::{El, el};
 use crate::text::Language;
+use crate::workbench::Workbench;
 
 /// The card.
-pub(super) fn spellings_card(app: &'static App, form: Form, built: Memo<Built>) -> El {
+pub(super) fn spellings_card(app: &'static Workbench, form: Form, built: Memo<Built>) -> El {
     let header = el("header").child(el("h2").say(app, Language::copy_as)).child(el("span").class("space")).child(tabs(
         app,
         Language::mode,
@@ -33,7 +33,7 @@ pub(super) fn spellings_card(app: &'static App, form: Form, built: Memo<Built>) 
     el("section").class("card spellings").child(header).child(el("div").class("spelling-rows").live(rows))
 }
 
-fn row(app: &'static App, spelling: Spelling, text: String) -> El {
+fn row(app: &'static Workbench, spelling: Spelling, text: String) -> El {
     let (key, name) = named(spelling);
     let id = ["spelling-", key].concat();
     let shown = el("code").attr("id", &id).test(&id).text(&text);

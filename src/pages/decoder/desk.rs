@@ -8,10 +8,10 @@ use js_sys::{Array, JsString};
 use wasm_bindgen::{JsCast, JsValue};
 
 use crate::analyst;
-use crate::app::App;
 use crate::device;
 use crate::reactive::prelude::*;
 use crate::storage::{self, kept};
+use crate::workbench::Workbench;
 
 /// Rows that are asked for together.
 const PAGE: u32 = 64;
@@ -116,7 +116,7 @@ impl Desk {
     }
 
     /// Starts the analyst at the first visit, and takes up the long text of the last one.
-    pub(super) fn start(&self, app: &'static App) {
+    pub(super) fn start(&self, app: &'static Workbench) {
         if self.started.get_value() {
             return;
         }

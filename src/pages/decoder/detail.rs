@@ -6,7 +6,6 @@ use buslens_codec::dissect::Direction;
 use super::frames::Opened;
 use crate::analyst;
 use crate::anatomy::Anatomy;
-use crate::app::App;
 use crate::clipboard;
 use crate::components::button::{button, menu};
 use crate::components::bytes::{byte_groups, lights};
@@ -18,9 +17,10 @@ use crate::format::{self, hex_spaced};
 use crate::reactive::prelude::*;
 use crate::route::decoder_link;
 use crate::text::{Label, Language};
+use crate::workbench::Workbench;
 
 /// The card of the chosen row, if there is one.
-pub(super) fn detail(app: &'static App) -> El {
+pub(super) fn detail(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let row = Memo::new(move |_| {
         desk.turn.track();
@@ -35,7 +35,7 @@ pub(super) fn detail(app: &'static App) -> El {
     el("div").class("contents").live_one(move || row.with(|row| row.as_ref().map(|row| card(app, row))))
 }
 
-fn card(app: &'static App, row: &Row) -> El {
+fn card(app: &'static Workbench, row: &Row) -> El {
     let language = app.language.get();
     let profile = app.decoder.device().map(Device::profile);
     let Opened { request, dissection } = Opened::of(profile, row);
@@ -74,7 +74,7 @@ fn card(app: &'static App, row: &Row) -> El {
         .child(views(app, row.index))
 }
 
-fn fields(app: &'static App, found: &Anatomy, lit: RwSignal<Option<usize>>) -> El {
+fn fields(app: &'static Workbench, found: &Anatomy, lit: RwSignal<Option<usize>>) -> El {
     let rows = found.parts.iter().enumerate().map(|(number, part)| {
         let texts: Vec<String> = part.range.clone().map(|at| found.byte_text(at)).collect();
         let row = el("tr").test("field-row").attr("data-kind", part.kind);
@@ -104,7 +104,7 @@ fn bit_row(bits: &[crate::anatomy::Bit]) -> El {
     el("div").class("bits").children(boxes)
 }
 
-fn diagnoses(app: &'static App, told: &[Told]) -> El {
+fn diagnoses(app: &'static Workbench, told: &[Told]) -> El {
     let items = told.iter().map(|told| {
         let (class, mark) = match told.severity {
             Severity::Fault => ("told fault", Icon::Fault),
@@ -131,7 +131,7 @@ fn diagnoses(app: &'static App, told: &[Told]) -> El {
     el("ul").class("diagnoses").label(app, Language::diagnosis).children(items)
 }
 
-fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
+fn copy_menu(app: &'static Workbench, row: &Row, found: &Anatomy) -> El {
     let item = |hook: &str, text: Label, content: String| {
         button(app, "quiet small", hook, text).click(move || clipboard::write(&content, |_| ()))
     };
@@ -155,7 +155,7 @@ fn copy_menu(app: &'static App, row: &Row, found: &Anatomy) -> El {
 }
 
 /// A table of the fields, for an issue or a mail.
-fn markdown(app: &'static App, row: &Row, found: &Anatomy) -> String {
+fn markdown(app: &'static Workbench, row: &Row, found: &Anatomy) -> String {
     let language = app.language.get_untracked();
     let direction = match row.direction {
         Direction::Request => "TX ",
@@ -181,7 +181,7 @@ fn markdown(app: &'static App, row: &Row, found: &Anatomy) -> String {
 }
 
 /// Every reading of the registers, and what would show a number.
-fn views(app: &'static App, index: u32) -> El {
+fn views(app: &'static Workbench, index: u32) -> El {
     let desk = &app.decoder;
     let look = Memo::new(move |_| {
         desk.look.with(|look| look.clone().filter(|look| look.index == index && !look.views.is_empty()))
@@ -190,7 +190,7 @@ fn views(app: &'static App, index: u32) -> El {
     el("div").class("contents").live_one(move || there.get().then(|| view_box(app, look)))
 }
 
-fn view_box(app: &'static App, look: Memo<Option<Look>>) -> El {
+fn view_box(app: &'static Workbench, look: Memo<Option<Look>>) -> El {
     let desk = &app.decoder;
     let input = el("input")
         .attr("id", "shown-value")
@@ -214,7 +214,7 @@ fn view_box(app: &'static App, look: Memo<Option<Look>>) -> El {
         .live(move || look.with(|look| look.as_ref().map(|look| view_tables(app, look)).unwrap_or_default()))
 }
 
-fn fit_lines(app: &'static App, look: &Look) -> Vec<El> {
+fn fit_lines(app: &'static Workbench, look: &Look) -> Vec<El> {
     let language = app.language.get();
     if app.decoder.shown.with_untracked(|shown| shown.trim().is_empty()) {
         return Vec::new();
@@ -239,7 +239,7 @@ fn fit_lines(app: &'static App, look: &Look) -> Vec<El> {
     vec![el("div").class("scroll").child(el("table").class("fits").child(head).child(el("tbody").children(rows)))]
 }
 
-fn view_tables(app: &'static App, look: &Look) -> Vec<El> {
+fn view_tables(app: &'static Workbench, look: &Look) -> Vec<El> {
     let language = app.language.get();
     let block = |register: &buslens_analyst::message::RegisterViews| {
         let cells = register.views.iter().map(|view| {

@@ -6,19 +6,19 @@ use buslens_codec::pdu::Request;
 use buslens_codec::profile::{Known, Profile};
 
 use crate::anatomy::Facts;
-use crate::app::App;
 use crate::components::list::{Source, list};
 use crate::device::Device;
 use crate::dom::{El, el};
 use crate::format::{self, hex_spaced};
 use crate::reactive::prelude::*;
 use crate::text::{Label, Language};
+use crate::workbench::Workbench;
 
 /// Bytes of a row that are drawn; the rest is cut off by the row's edge anyway.
 const BYTES: usize = 64;
 
 /// The list with its head.
-pub(super) fn frame_list(app: &'static App) -> El {
+pub(super) fn frame_list(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let heads = [
         ("cell-direction", Language::direction as Label),
@@ -54,7 +54,7 @@ pub(super) fn frame_list(app: &'static App) -> El {
 }
 
 /// A row that has been drawn is drawn anew when the analyst has new words on it.
-fn stamp(app: &'static App, at: u32, row: &Row) -> u64 {
+fn stamp(app: &'static Workbench, at: u32, row: &Row) -> u64 {
     let edition = app.decoder.progress.with_untracked(|progress| progress.edition);
     let counted = app.decoder.statistics.with_untracked(Option::is_some);
     let zh = app.language.get_untracked() == Language::Zh;
@@ -84,7 +84,7 @@ impl Opened {
     }
 }
 
-fn draw(app: &'static App, row: &Row) -> El {
+fn draw(app: &'static Workbench, row: &Row) -> El {
     let language = app.language.get_untracked();
     let profile = app.decoder.device_untracked().map(Device::profile);
     let opened = Opened::of(profile, row);

@@ -7,13 +7,13 @@ use web_sys::{DragEvent, Event, HtmlInputElement};
 
 use super::desk::{Desk, Document, LONGEST_TYPED};
 use crate::analyst;
-use crate::app::App;
 use crate::components::button::{button, icon_button};
 use crate::components::icon::{Icon, icon};
 use crate::dom::{El, el};
 use crate::format;
 use crate::reactive::prelude::*;
 use crate::text::{Label, Language};
+use crate::workbench::Workbench;
 use buslens_analyst::message::ToAnalyst;
 
 /// Places that could not be read that are shown.
@@ -28,7 +28,7 @@ const EXAMPLES: [(&str, Label, &str); 4] = [
 ];
 
 /// The card with the text and what was understood of it.
-pub(super) fn input_card(app: &'static App) -> El {
+pub(super) fn input_card(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let restorable = Memo::new(move |_| desk.previous.with(|previous| !previous.is_empty()));
     let restore = move || {
@@ -58,7 +58,7 @@ pub(super) fn input_card(app: &'static App) -> El {
 }
 
 /// The field for what fits one.
-fn field(app: &'static App) -> El {
+fn field(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let area = el("textarea")
         .attr("id", "decoder-input")
@@ -113,7 +113,7 @@ fn dropped(desk: &Desk, event: &Event) {
     }
 }
 
-fn file_button(app: &'static App) -> El {
+fn file_button(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let chooser =
         el("input").attr("type", "file").class("visually-hidden").test("decoder-file").on("change", move |event| {
@@ -133,7 +133,7 @@ fn file_button(app: &'static App) -> El {
 }
 
 /// A text that does not stand in the field.
-fn document(app: &'static App) -> El {
+fn document(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let told = move || {
         let language = app.language.get();
@@ -176,7 +176,7 @@ fn description(language: Language, document: &Document) -> String {
 }
 
 /// How far reading is, how the text was read, and where it could not be.
-fn understood(app: &'static App) -> El {
+fn understood(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let busy = Memo::new(move |_| desk.progress.with(|progress| !progress.finished && progress.total > 0));
     let percent = Memo::new(move |_| desk.progress.with(|progress| percent(progress.done, progress.total)));
@@ -204,7 +204,7 @@ fn understood(app: &'static App) -> El {
         .live(move || faults.with(|(first, count)| fault_lines(app.language.get(), first, *count)))
 }
 
-fn progress_bar(app: &'static App, percent: Memo<u32>) -> El {
+fn progress_bar(app: &'static Workbench, percent: Memo<u32>) -> El {
     let bar = el("progress").attr("max", "100").live_attr("value", move || Some(percent.get().to_string()));
     el("div")
         .class("progress")
@@ -215,7 +215,7 @@ fn progress_bar(app: &'static App, percent: Memo<u32>) -> El {
         .child(button(app, "small", "stop-reading", Language::stop).click(|| analyst::send(&ToAnalyst::Cancel)))
 }
 
-fn form_line(app: &'static App, form: Form, alternative: Option<Form>) -> El {
+fn form_line(app: &'static Workbench, form: Form, alternative: Option<Form>) -> El {
     let desk = &app.decoder;
     let mut line = el("p").class("form-line muted").test("decoder-form").child(el("span").say(app, form_text(form)));
     if let Some(other) = alternative {

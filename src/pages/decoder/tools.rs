@@ -4,7 +4,6 @@ use buslens_analyst::message::{Filter, Format, Statistics, Tally, ToAnalyst};
 
 use super::desk::{AUTO, NO_PROFILE};
 use crate::analyst;
-use crate::app::App;
 use crate::clipboard;
 use crate::components::button::{bare, button, menu};
 use crate::device;
@@ -13,12 +12,13 @@ use crate::format;
 use crate::reactive::prelude::*;
 use crate::route;
 use crate::text::{Label, Language};
+use crate::workbench::Workbench;
 
 /// The longest text in characters that a link holds; browsers and mail programs cut longer ones.
 const LONGEST_LINK: usize = 8000;
 
 /// The head of the list's card.
-pub(super) fn tools(app: &'static App) -> [El; 2] {
+pub(super) fn tools(app: &'static Workbench) -> [El; 2] {
     let desk = &app.decoder;
     let counts = move || {
         let (shown, all) = desk.progress.with(|progress| (progress.shown, progress.entries));
@@ -34,7 +34,7 @@ pub(super) fn tools(app: &'static App) -> [El; 2] {
     [header, filter_bar(app)]
 }
 
-fn filter_bar(app: &'static App) -> El {
+fn filter_bar(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     dom::react(move || {
         desk.profile.track();
@@ -78,7 +78,7 @@ fn filter_bar(app: &'static App) -> El {
         .live_one(move || filtered.get().then(clear))
 }
 
-fn profile_select(app: &'static App) -> El {
+fn profile_select(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     el("select")
         .attr("id", "decoder-profile")
@@ -108,7 +108,7 @@ fn profile_select(app: &'static App) -> El {
         .on("change", move |event| desk.profile.set(dom::value(&event)))
 }
 
-fn export_menu(app: &'static App) -> El {
+fn export_menu(app: &'static Workbench) -> El {
     let item = |hook: &str, text: Label, format: Format| {
         button(app, "quiet small", hook, text).click(move || analyst::send(&ToAnalyst::Export(format)))
     };
@@ -121,7 +121,7 @@ fn export_menu(app: &'static App) -> El {
 }
 
 /// Copies a link that holds the text of the field: nothing leaves the machine before the link does.
-fn link_button(app: &'static App) -> El {
+fn link_button(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     let copied = RwSignal::new(false);
     let short =
@@ -161,7 +161,7 @@ const COUNTS: [Count; 8] = [
 ];
 
 /// The counts, once they are made.
-pub(super) fn statistics(app: &'static App) -> El {
+pub(super) fn statistics(app: &'static Workbench) -> El {
     let desk = &app.decoder;
     el("div").class("contents").live_one(move || {
         desk.statistics.with(|statistics| {
@@ -170,7 +170,7 @@ pub(super) fn statistics(app: &'static App) -> El {
     })
 }
 
-fn counts(app: &'static App, all: &Statistics) -> El {
+fn counts(app: &'static Workbench, all: &Statistics) -> El {
     let language = app.language.get();
     let columns: Vec<(String, &Tally)> = [(language.all_units().to_owned(), &all.total)]
         .into_iter()

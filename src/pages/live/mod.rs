@@ -17,6 +17,7 @@ use crate::dom::{El, el};
 use crate::message::{Health, Link};
 use crate::serial;
 use crate::text::Language;
+pub(crate) use exchange::exchange_halves;
 use faults::Facts;
 
 /// The page.

@@ -1,0 +1,149 @@
+//! The second program of the window: the pages and cards that explain frames. The first program loads it and tells it
+//! by [`ToWorkbench`] what to show, and where.
+
+use std::ops::Deref;
+
+use buslens_analyst::message::{FromAnalyst, Sums};
+use buslens_codec::intake::IntakeError;
+use js_sys::Function;
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::Element;
+
+use crate::ambient::Ambient;
+use crate::analyst;
+use crate::crash;
+use crate::dom::{self, El, Handle, el};
+use crate::message::{Exchange, ToWorkbench};
+use crate::pages::{Desk, builder_page, decoder_page, exchange_halves};
+use crate::reactive::prelude::*;
+use crate::reactive::run_forever;
+use crate::route::{self, Page};
+use crate::text::Language;
+
+/// What every part of this program may look at. Signals only: free of JS handles.
+pub(crate) struct Workbench {
+    ambient: Ambient,
+    /// The page shown, if it is one of this program's.
+    page: RwSignal<Option<Page>>,
+    /// The last exchange of the Live page, while it is shown.
+    pub(crate) exchange: RwSignal<Option<Exchange>>,
+    /// What the address brings to be read.
+    pub(crate) brought: RwSignal<String>,
+    /// The Decoder page's state.
+    pub(crate) decoder: Desk,
+    /// The last text whose checks the analyst has made, and what came of it.
+    pub(crate) sums: RwSignal<Option<Summed>>,
+    /// Counts the changes of the window's size.
+    pub(crate) size_turn: RwSignal<u32>,
+}
+
+/// A text with the checks of its bytes, `None` where it holds none; or its first fault.
+pub(crate) type Summed = (String, Result<Option<Sums>, IntakeError>);
+
+impl Deref for Workbench {
+    type Target = Ambient;
+
+    fn deref(&self) -> &Ambient {
+        &self.ambient
+    }
+}
+
+impl Workbench {
+    fn new(language: Language) -> Self {
+        Self {
+            ambient: Ambient { language: RwSignal::new(language) },
+            page: RwSignal::new(None),
+            exchange: RwSignal::new(None),
+            brought: route::follow_text(),
+            decoder: Desk::remembered(),
+            sums: RwSignal::new(None),
+            size_turn: RwSignal::new(0),
+        }
+    }
+
+    /// Starts the analyst's worker, if it has not been.
+    pub(crate) fn start_analyst(&'static self) {
+        analyst::start(move |message, beside| match message {
+            FromAnalyst::Sums(text, sums) => self.sums.set(Some((text, sums))),
+            message => self.decoder.hear(message, &beside),
+        });
+    }
+}
+
+/// The state, and the boxes without a box of their own that stand in the first program's places.
+#[derive(Clone)]
+struct Running {
+    state: &'static Workbench,
+    page: Handle,
+    exchange: Handle,
+}
+
+thread_local! {
+    static RUNNING: std::cell::RefCell<Option<Running>> = const { std::cell::RefCell::new(None) };
+}
+
+/// Takes a message of the first program, with what comes beside it.
+pub fn hear(message: &[u8], beside: JsValue) {
+    match postcard::from_bytes(message) {
+        Ok(ToWorkbench::Start(language)) => start(language, beside),
+        Ok(message) => {
+            if let Some(running) = RUNNING.with_borrow(Option::clone) {
+                running.obey(message, &beside);
+            }
+        }
+        Err(error) => crash::report(&["the workbench cannot read a message: ", &error.to_string()].concat()),
+    }
+}
+
+impl Running {
+    fn obey(&self, message: ToWorkbench, beside: &JsValue) {
+        let state = self.state;
+        match message {
+            ToWorkbench::Start(_) => {}
+            ToWorkbench::Language(language) => state.ambient.language.set(language),
+            ToWorkbench::Page(page) => {
+                put(&self.page, beside);
+                state.page.set(page);
+            }
+            ToWorkbench::Exchange(exchange) => {
+                put(&self.exchange, beside);
+                state.exchange.set(exchange);
+            }
+        }
+    }
+}
+
+/// Puts a box into a place of the first program's, if it is not there already.
+fn put(content: &Handle, place: &JsValue) {
+    if let Some(place) = place.dyn_ref::<Element>() {
+        content.move_into(place);
+    }
+}
+
+/// Begins; `tell` ends the whole page after a fault.
+fn start(language: Language, tell: JsValue) {
+    let tell: Function = tell.unchecked_into();
+    crash::watch(move |details| {
+        // The first program draws the page of the crash; there is nobody else to tell.
+        let _ = tell.call1(&JsValue::UNDEFINED, &details.into());
+    });
+    run_forever(move || {
+        // One for the life of the page, and cheap for every closure to hold.
+        let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
+        dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
+        let content = |build: fn(&'static Workbench) -> Option<El>| {
+            el("div").class("contents").live_one(move || build(state)).handle()
+        };
+        let page = content(|state| {
+            Some(match state.page.get()? {
+                Page::Live => return None,
+                Page::Decoder => decoder_page(state),
+                Page::Builder => builder_page(state),
+            })
+        });
+        let shown = Memo::new(move |_| state.exchange.with(Option::is_some));
+        let exchange = el("div").class("contents").live_one(move || shown.get().then(|| exchange_halves(state)));
+        let exchange = exchange.handle();
+        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange }));
+    });
+}
