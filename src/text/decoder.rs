@@ -31,7 +31,7 @@ texts! {
 
     unit_short => "Unit" | "地址";
 
-    unexpected_character(character: char) => "“{character}” is not a hexadecimal digit" | "“{character}” 不是十六进制数字";
+    unexpected_character(character: char) => "“{character}” does not belong here" | "此处不应出现“{character}”";
     odd_digits => "an odd number of digits: one is missing" | "数字个数为奇数，缺少一位";
     reply_needs_request => "Put the request before the reply: only it tells which registers these are." | "请把请求放在应答之前，只有请求才说明这些是哪些寄存器。";
 }
