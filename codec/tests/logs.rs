@@ -124,6 +124,21 @@ fn cutecom() {
     assert_eq!(parts(&intake), expected);
 }
 
+/// A capture in hexadecimal with time stamps: it knows no directions.
+#[test]
+fn realterm() {
+    let intake = read(log!("realterm.txt"));
+    let expected: Vec<_> = (0..8).map(|at| (FRAMES[at], Unknown, Some(at_date(at)))).collect();
+    assert_eq!((intake.form, intake.fault_count, parts(&intake)), (Form::Log, 0, expected));
+}
+
+/// "Copy as a hex stream": one long string.
+#[test]
+fn wireshark_hex_stream() {
+    let intake = read(log!("wireshark_stream.txt"));
+    assert_eq!((intake.form, intake.fault_count, intake.bytes), (Form::Hex, 0, FRAMES.concat()));
+}
+
 #[test]
 fn columns_of_time_channel_and_bytes() {
     let intake = read(log!("columns.txt"));
