@@ -23,6 +23,7 @@ async fn main() {
     println!("{:<52}{:>12}{:>14}", "Decoder page", "measured", "target");
     pasted_text(&bench, &page).await;
     scrolled_list(&bench, &page).await;
+    large_file(&bench, &page).await;
 }
 
 fn row(name: &str, measured: f64, unit: &str, target: &str) {
@@ -138,4 +139,14 @@ async fn scrolled_list(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
     };
     row("1 000 000 rows scrolled: median frame", at(0.5), "ms", "");
     row("1 000 000 rows scrolled: 99th percentile frame", at(0.99), "ms", "20 ms");
+}
+
+/// A file of 200 MB.
+async fn large_file(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
+    bench.browser.click("close-document").await;
+    let start = Instant::now();
+    page.drop_file("large.log", "...Array(84).fill('01 03 00 31 00 01 D5 C5\\n'.repeat(1e5))").await;
+    page.wait_for_entries("8400000").await;
+    row("200 MB dropped: all of it", start.elapsed().as_secs_f64(), "s", "");
+    bench.browser.click("close-document").await;
 }
