@@ -28,6 +28,23 @@ async fn a_pasted_exchange_is_taken_apart_with_its_values() {
     assert_eq!(bench.browser.complaints().await, [""; 0]);
 }
 
+/// The page's second program is loaded when it is first needed; by then the network may be gone.
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn what_could_not_be_loaded_is_told_and_loaded_again() {
+    let bench = bench().await;
+    bench.browser.wait_for("document.querySelector('[data-test=page-live]')").await;
+    bench.browser.set_offline(true).await;
+    bench.browser.click("nav-decoder").await;
+    bench.browser.wait_for("document.querySelector('[data-test=loading-failed]')").await;
+    bench.browser.set_offline(false).await;
+    bench.browser.click("load-again").await;
+    bench.browser.wait_for("document.querySelector('[data-test=page-decoder]')").await;
+    let page = DecoderPage { browser: &bench.browser };
+    page.paste("01 03 00 31 00 01 D5 C5").await;
+    page.rows(1).await;
+}
+
 /// Every frame of the devices' manuals through the page, each alone, with its mark and check.
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]

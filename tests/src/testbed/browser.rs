@@ -190,6 +190,13 @@ impl Browser {
         self.devtools("Target.sendMessageToTarget", send).await;
     }
 
+    /// Cuts the page off from the network, or joins it again.
+    pub async fn set_offline(&self, offline: bool) {
+        self.devtools("Network.enable", json!({})).await;
+        let conditions = json!({ "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1 });
+        self.devtools("Network.emulateNetworkConditions", conditions).await;
+    }
+
     /// A picture of the whole page as PNG, also of what is below the window's edge.
     pub async fn picture(&self) -> Vec<u8> {
         let size = "return [innerWidth, innerHeight, document.documentElement.scrollHeight]";
