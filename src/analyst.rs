@@ -5,11 +5,11 @@
 use std::cell::RefCell;
 
 use buslens_analyst::message::{FromAnalyst, ToAnalyst};
-use js_sys::{Array, Reflect, Uint8Array};
+use js_sys::{Array, Uint8Array};
 use wasm_bindgen::prelude::*;
-use web_sys::{ErrorEvent, MessageEvent, Worker, WorkerOptions, WorkerType};
+use web_sys::Worker;
 
-use crate::crash;
+use crate::{crash, worker};
 
 thread_local! {
     static WORKER: RefCell<Option<Worker>> = const { RefCell::new(None) };
@@ -20,12 +20,8 @@ pub(crate) fn start(hear: impl Fn(FromAnalyst, JsValue) + 'static) {
     if WORKER.with_borrow(Option::is_some) {
         return;
     }
-    let worker = match new_worker() {
-        Ok(worker) => worker,
-        Err(error) => return crash::report(&["the analyst's worker does not start: ", &crash::words(&error)].concat()),
-    };
-    let on_message = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
-        let parts: Array = event.data().unchecked_into();
+    let worker = worker::start("the analyst's worker", "buslensAnalyst", move |data| {
+        let parts: Array = data.unchecked_into();
         let bytes = parts.get(0).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default();
         match postcard::from_bytes(&bytes) {
             Ok(FromAnalyst::Panicked(details)) => crash::report(&details),
@@ -33,14 +29,7 @@ pub(crate) fn start(hear: impl Fn(FromAnalyst, JsValue) + 'static) {
             Err(error) => crash::report(&format!("the analyst sent a message that cannot be read: {error}")),
         }
     });
-    worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
-    on_message.forget();
-    let on_error = Closure::<dyn Fn(ErrorEvent)>::new(|event: ErrorEvent| {
-        crash::report(&["the analyst's worker failed: ", &event.message()].concat());
-    });
-    worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
-    on_error.forget();
-    WORKER.with_borrow_mut(|slot| *slot = Some(worker));
+    WORKER.set(worker);
 }
 
 /// Sends a wish.
@@ -57,12 +46,4 @@ pub(crate) fn send_with(message: &ToAnalyst, beside: &JsValue) {
             let _ = worker.post_message(&Array::of2(&Uint8Array::from(bytes.as_slice()), beside));
         }
     });
-}
-
-fn new_worker() -> Result<Worker, JsValue> {
-    let address = Reflect::get(&js_sys::global(), &"buslensAnalyst".into())?;
-    let address = address.as_string().ok_or_else(|| JsValue::from_str("its address is not set"))?;
-    let options = WorkerOptions::new();
-    options.set_type(WorkerType::Module);
-    Worker::new_with_options(&address, &options)
 }

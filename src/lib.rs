@@ -33,6 +33,7 @@ mod text;
 mod theme;
 mod trend;
 pub mod workbench;
+mod worker;
 
 /// Runs the first program in the role that its place asks for.
 pub fn run() {

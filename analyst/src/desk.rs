@@ -1,7 +1,7 @@
 //! One text at a time: read in portions, listed, filtered, counted.
 
 use buslens_codec::dissect::Direction;
-use buslens_codec::intake::{self, Detection, Form, IntakeError, MAX_FAULTS, Reader};
+use buslens_codec::intake::{self, Detection, Form, IntakeError, Reader};
 use buslens_codec::outline::Outline;
 use buslens_codec::profile::{BUILT_IN, Known, Profile};
 use buslens_codec::stream::Shape;
@@ -14,6 +14,8 @@ use crate::scale::Scales;
 use crate::statistics::Counting;
 use crate::{export, look};
 
+/// Places that could not be read that are told.
+const MOST_FAULTS: usize = 16;
 /// A text's beginning that is kept until there is enough of it to tell how it is to be read.
 const SAMPLE: usize = 64 << 10;
 /// Bytes of a row that are sent; noise can be longer.
@@ -55,9 +57,13 @@ pub struct Desk {
 impl Desk {
     /// An empty desk.
     pub fn new() -> Self {
+        // The codec's tests load every built-in profile.
+        Self::with(BUILT_IN.iter().filter_map(|text| Profile::from_json(text).ok()).collect())
+    }
+
+    fn with(built_in: Vec<Profile>) -> Self {
         Self {
-            // The codec's tests load every built-in profile.
-            built_in: BUILT_IN.iter().filter_map(|text| Profile::from_json(text).ok()).collect(),
+            built_in,
             choice: ProfileChoice::Auto,
             profile: None,
             filter: Filter::default(),
@@ -85,7 +91,7 @@ impl Desk {
 
     /// Clears the desk for a text of `total` characters or bytes. `form` says how to read it; `None` finds out.
     pub fn begin(&mut self, reading: u32, form: Option<Form>, total: u64) {
-        let fresh = Self::new();
+        let fresh = Self::with(std::mem::take(&mut self.built_in));
         let (choice, filter) = (std::mem::take(&mut self.choice), std::mem::take(&mut self.filter));
         let profile = self.profile.take().filter(|_| choice != ProfileChoice::Auto);
         *self = Self {
@@ -250,7 +256,7 @@ impl Desk {
     fn transcribe(&mut self) {
         let Some(reader) = &mut self.reader else { return };
         let portion = reader.take();
-        let room = MAX_FAULTS.saturating_sub(self.faults.len());
+        let room = MOST_FAULTS.saturating_sub(self.faults.len());
         self.faults.extend(portion.faults.into_iter().take(room));
         self.transcript.push(&portion.bytes, &portion.segments);
     }

@@ -4,7 +4,7 @@ use buslens_analyst::message::{
     Filter, Format, FromAnalyst, Look, ProfileChoice, Progress, Row, Rows, Statistics, ToAnalyst,
 };
 use buslens_codec::intake::Form;
-use js_sys::{Array, JsString};
+use js_sys::JsString;
 use wasm_bindgen::{JsCast, JsValue};
 
 use crate::analyst;
@@ -397,8 +397,7 @@ fn save_file(format: Format, file: &JsValue) {
         Format::Csv => "buslens.csv",
         Format::Hex => "buslens.txt",
     };
-    let parts = Array::of1(file);
-    if let Some(file) = parts.get(0).dyn_ref::<web_sys::Blob>() {
+    if let Some(file) = file.dyn_ref::<web_sys::Blob>() {
         crate::dom::save_file(file, name);
     }
 }

@@ -51,7 +51,6 @@ pub(super) fn input_card(app: &'static Workbench) -> El {
         .child(header)
         .live_one(move || Some(if long.get() { document(app) } else { field(app) }))
         .child(understood(app))
-        .live_one(move || (!long.get()).then(|| el("div").class("contents")))
         .child(footer)
         .on("dragover", |event| event.prevent_default())
         .on("drop", move |event| dropped(desk, &event))
