@@ -1,5 +1,6 @@
 //! One text at a time: read in portions, listed, filtered, counted.
 
+use buslens_bus::record::Origin;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{self, Detection, Form, IntakeError, Reader};
 use buslens_codec::outline::Outline;
@@ -197,6 +198,7 @@ impl Desk {
             total: self.total,
             finished: self.finished,
             cancelled: self.cancelled,
+            first: 0,
             entries: place(self.transcript.entries().len()),
             shown: place(self.shown()),
             edition: self.edition,
@@ -361,6 +363,11 @@ impl Desk {
             diagnoses: reading.diagnoses,
             unanswered: entry.is_unanswered() && !self.counting.is_one_sided(),
             orphan: entry.is_orphan() && !self.counting.is_one_sided(),
+            origin: Origin::Unknown,
+            gap_us: None,
+            round_trip_us: None,
+            before: Vec::new(),
+            mark: None,
         })
     }
 }

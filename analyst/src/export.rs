@@ -48,7 +48,7 @@ pub(crate) fn write(
                 hand_on(&mut text);
             }
         }
-        Format::Hex => {
+        Format::Hex | Format::Text | Format::Pcap | Format::Session => {
             for index in shown {
                 let Some(entry) = transcript.entries().get(index) else { break };
                 text.push_str(match (entry.kind, entry.direction) {

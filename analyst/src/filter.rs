@@ -1,5 +1,6 @@
 //! Which entries are shown.
 
+use buslens_codec::dissect::Direction;
 use buslens_codec::profile::{Known, Profile};
 use buslens_codec::transcript::{EntryKind, Transcript};
 
@@ -11,6 +12,7 @@ use crate::message::Filter;
 pub(crate) struct Sieve {
     unit: Option<u8>,
     function: Option<u8>,
+    direction: Option<Direction>,
     errors_only: bool,
     text: Option<Wanted>,
 }
@@ -29,11 +31,12 @@ struct Wanted {
 impl Sieve {
     /// `None` for a filter that lets everything through.
     pub(crate) fn new(filter: &Filter, profile: Option<&Profile>) -> Option<Self> {
-        let Filter { unit, function, errors_only, ref text } = *filter;
+        let Filter { unit, function, direction, errors_only, ref text } = *filter;
         let text = Wanted::new(text, profile);
-        (unit.is_some() || function.is_some() || errors_only || text.is_some()).then_some(Self {
+        (unit.is_some() || function.is_some() || direction.is_some() || errors_only || text.is_some()).then_some(Self {
             unit,
             function,
+            direction,
             errors_only,
             text,
         })
@@ -49,6 +52,9 @@ impl Sieve {
     ) -> bool {
         let Some(entry) = transcript.entries().get(index) else { return false };
         let bytes = transcript.entry_bytes(index);
+        if self.direction.is_some_and(|wanted| wanted != entry.direction) {
+            return false;
+        }
         if self.unit.is_some() || self.function.is_some() {
             let Some((unit, pdu)) = parts(entry, bytes) else { return false };
             let function = pdu.first().map(|code| code & 0x7F);

@@ -6,6 +6,7 @@
 mod desk;
 mod export;
 mod filter;
+pub mod line;
 mod look;
 pub mod message;
 mod scale;

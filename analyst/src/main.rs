@@ -80,6 +80,7 @@ impl Analyst {
                 post(&FromAnalyst::Sums(text, sums));
             }
             ToAnalyst::Forget => spawn_local(source::forget()),
+            ToAnalyst::Console(_) => {}
         }
     }
 
@@ -151,7 +152,8 @@ impl Analyst {
         let kind = match format {
             Format::JsonLines => "application/jsonl",
             Format::Csv => "text/csv",
-            Format::Hex => "text/plain",
+            Format::Hex | Format::Text | Format::Session => "text/plain",
+            Format::Pcap => "application/vnd.tcpdump.pcap",
         };
         post_with(&FromAnalyst::Exported(format), &scope::blob(&parts, kind));
     }

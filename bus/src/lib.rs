@@ -26,6 +26,7 @@
 
 mod master;
 mod outcome;
+pub mod record;
 pub mod sim;
 pub mod time;
 

@@ -1,0 +1,57 @@
+//! What goes over a line, noted as it happens: every byte in and out, with its time and who caused it.
+//!
+//! Notes are what the console shows, what a session file keeps and what a replay plays.
+
+use buslens_codec::line::{LineSettings, Mode};
+use serde::{Deserialize, Serialize};
+
+/// Who had bytes sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Origin {
+    /// Nobody on this side, or nobody knows: a log that was brought in, another master on the line.
+    #[default]
+    Unknown,
+    /// The periodic reading of the Live page.
+    Poll,
+    /// A hand at the console.
+    Console,
+    /// A sequence.
+    Sequence,
+    /// A change of a device's settings.
+    Configuration,
+}
+
+/// Something that happened on the line.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// When, in microseconds on the engine's clock. Bytes that were received are noted when they arrived.
+    pub at_us: u64,
+    /// What.
+    pub what: What,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum What {
+    /// Bytes were handed to the port.
+    Sent {
+        /// Who had them sent.
+        origin: Origin,
+        /// The bytes as they went out.
+        bytes: Vec<u8>,
+    },
+    /// Bytes arrived. Where one chunk ends and the next begins means nothing.
+    Received(Vec<u8>),
+    /// The port has seen a character that breaks its settings.
+    LineError,
+    /// A break was sent, for so many milliseconds.
+    Break(u32),
+    /// The port is open with these settings.
+    Opened(LineSettings, Mode),
+    /// The port was closed as asked.
+    Closed,
+    /// The adapter is gone.
+    Lost,
+    /// So many bytes of notes had to be forgotten before anybody took them.
+    Forgotten(u64),
+}
