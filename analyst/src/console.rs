@@ -20,7 +20,7 @@ use buslens_bus::time::Instant;
 use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 
-use crate::Desk;
+use crate::desk::{Cursor, Desk};
 use crate::line::{FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, ToConsole};
 use outbox::Outbox;
@@ -45,8 +45,7 @@ pub struct Console {
     view: View,
     /// What a replay plays.
     source: View,
-    /// The next entry to be played.
-    cursor: u32,
+    cursor: Cursor,
     playback: Option<Playback>,
     choice: ProfileChoice,
     filter: Filter,
@@ -81,7 +80,7 @@ impl Console {
             replayed: None,
             view: View::Text,
             source: View::Live,
-            cursor: 0,
+            cursor: Cursor::default(),
             playback: None,
             choice: ProfileChoice::default(),
             filter: Filter::default(),
@@ -113,7 +112,10 @@ impl Console {
                 self.live.pause(paused);
                 self.replayed.iter_mut().for_each(|desk| desk.pause(paused));
             }
-            ToConsole::Mark { index, comment } => self.desk_mut().mark(index, comment),
+            ToConsole::Mark { index, comment } => {
+                // An entry that is gone has lost its mark with it.
+                self.desk_mut().mark(index, comment);
+            }
             ToConsole::Send(sending) => self.sends.begin(now, sending, &mut self.out),
             ToConsole::StopSending => self.sends.stop(&mut self.out),
             ToConsole::Line(order) => self.out.to_line(order),
@@ -124,9 +126,10 @@ impl Console {
         self.has_news = true;
     }
 
-    /// Takes what the engine says.
-    pub fn hear_line(&mut self, now: Instant, message: FromLine) {
+    /// Takes what the engine says at this time of the worker, `unix_us` microseconds after the beginning of 1970.
+    pub fn hear_line(&mut self, now: Instant, unix_us: u64, message: FromLine) {
         match message {
+            FromLine::Clock(at_us) => self.live = self.new_log(unix_us.saturating_sub(at_us)),
             FromLine::Notes(notes) => self.hear_notes(now, notes),
             FromLine::Done { id, outcome } => self.hear_end(now, id, &outcome),
             FromLine::State(state) => self.hear_state(now, state),
@@ -297,21 +300,17 @@ impl Console {
             self.source = self.view;
         }
         let source = if self.source == View::Text { &self.text } else { &self.live };
-        let Some((first_us, last_us)) = source.span_us() else {
+        let Some(first_us) = source.next_note(&mut Cursor::default()).map(|note| note.at_us) else {
             return self.out.to_window(FromConsole::Replay(Replay::default()));
         };
-        let (line, mode) = source.settings().unwrap_or_else(|| match &self.line {
+        let last_us = first_us.saturating_add(source.duration_us());
+        let (line, mode) = source.line_at_start().unwrap_or_else(|| match &self.line {
             Some(state) => (state.line, state.mode),
             None => (LineSettings::new(9600, Parity::None), Mode::Rtu),
         });
-        self.cursor = source.first();
+        self.cursor = Cursor::default();
         self.playback = Some(Playback::new(now, speed_permille, first_us, last_us));
-        let mut replayed = Desk::new();
-        if let Some(entries) = self.ring {
-            replayed.set_ring(entries);
-        }
-        replayed.pause(self.paused);
-        self.replayed = Some(replayed);
+        self.replayed = Some(self.new_log(source.epoch_us().unwrap_or(0)));
         self.show(View::Replayed);
         self.out.to_line(ToLine::Replay { profile, line, mode });
     }
@@ -320,11 +319,7 @@ impl Console {
         let Some(playback) = &mut self.playback else { return };
         let source = if self.source == View::Text { &self.text } else { &self.live };
         let cursor = &mut self.cursor;
-        let fetch = |entries| {
-            let notes = source.notes(*cursor, entries);
-            *cursor = cursor.saturating_add(u32::try_from(entries).unwrap_or(u32::MAX));
-            notes
-        };
+        let fetch = |count| std::iter::from_fn(|| source.next_note(cursor)).take(count).collect();
         if playback.play(now, fetch, &mut self.out) {
             self.end_playback();
         }
@@ -349,6 +344,18 @@ impl Console {
         self.desk_mut().set_filter(filter);
         self.edition_base = last.wrapping_add(1).wrapping_sub(self.desk().progress().edition);
         self.has_news = true;
+    }
+
+    /// An empty log. `epoch_us` is the Unix time of its clock's origin.
+    fn new_log(&self, epoch_us: u64) -> Desk {
+        let mut log = Desk::live(epoch_us);
+        if let Some(entries) = self.ring {
+            log.set_ring(entries);
+        }
+        log.choose(self.choice.clone());
+        log.set_filter(self.filter.clone());
+        log.pause(self.paused);
+        log
     }
 
     /// The list that notes go into.

@@ -15,4 +15,4 @@ mod statistics;
 mod sums;
 
 pub use console::Console;
-pub use desk::Desk;
+pub use desk::{Cursor, Desk};

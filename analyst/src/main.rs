@@ -10,7 +10,7 @@ use std::rc::Rc;
 use buslens_analyst::Console;
 use buslens_analyst::line::FromLine;
 use buslens_analyst::message::{Format, FromAnalyst, Sums, ToAnalyst, ToConsole};
-use js_sys::Array;
+use js_sys::{Array, Uint8Array};
 use wasm_bindgen::JsValue;
 use wasm_bindgen_futures::spawn_local;
 
@@ -224,7 +224,7 @@ impl Analyst {
     fn export(&self, format: Format) {
         let parts = Array::new();
         self.console.borrow().desk().export(format, |part| {
-            parts.push(&JsValue::from_str(part));
+            parts.push(&Uint8Array::from(part));
         });
         let kind = match format {
             Format::JsonLines => "application/jsonl",
