@@ -13,4 +13,4 @@ mod scale;
 mod statistics;
 mod sums;
 
-pub use desk::Desk;
+pub use desk::{Cursor, Desk};

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use buslens_analyst::Desk;
 use buslens_analyst::message::{Format, FromAnalyst, Sums, ToAnalyst};
-use js_sys::Array;
+use js_sys::{Array, Uint8Array};
 use wasm_bindgen::JsValue;
 use wasm_bindgen_futures::spawn_local;
 
@@ -147,7 +147,7 @@ impl Analyst {
     fn export(&self, format: Format) {
         let parts = Array::new();
         self.desk.borrow().export(format, |part| {
-            parts.push(&JsValue::from_str(part));
+            parts.push(&Uint8Array::from(part));
         });
         let kind = match format {
             Format::JsonLines => "application/jsonl",
