@@ -34,8 +34,7 @@ pub struct Cursor {
 impl Desk {
     /// A desk for the log of a line. `epoch_us` is the Unix time of the origin of the notes' clock, in microseconds.
     pub fn live(epoch_us: u64) -> Self {
-        let live =
-            Live { epoch_us, ring: RING, line: None, marks: BTreeMap::new(), held_from: None };
+        let live = Live { epoch_us, ring: RING, line: None, marks: BTreeMap::new(), held_from: None };
         Self { live: Some(live), ..Self::new() }
     }
 
