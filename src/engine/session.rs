@@ -109,8 +109,8 @@ impl Session {
                 LinkOrder::Close => self.port.close(),
             }
         }
-        while let Some(bytes) = self.master.poll_transmit() {
-            self.port.write(&bytes);
+        while let Some(transmit) = self.master.poll_transmit() {
+            self.port.write(&transmit.bytes);
         }
         while let Some(event) = self.master.poll_event() {
             match event {
