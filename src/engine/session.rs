@@ -153,7 +153,7 @@ impl Session {
 }
 
 fn load_profile(connection: &Connection) -> Result<Profile, OpenFault> {
-    Profile::from_json(&connection.profile).map_err(|error| OpenFault::Other(error.to_string()))
+    Profile::unpack(&connection.profile).ok_or_else(|| OpenFault::Other("the profile cannot be read".to_owned()))
 }
 
 fn make_port(engine: &Rc<Engine>, number: u32, connection: &Connection) -> Result<Box<dyn Port>, OpenFault> {
