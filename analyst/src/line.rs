@@ -64,6 +64,8 @@ pub enum ToLine {
 /// Engine to console.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromLine {
+    /// The engine's clock as it is now, in microseconds. The first message of all.
+    Clock(u64),
     /// What has happened since the last notes, at most at display rate.
     Notes(Vec<Note>),
     /// A [`ToLine::Send`] has ended.
