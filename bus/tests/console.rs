@@ -4,7 +4,7 @@ mod common;
 
 use std::time::Duration;
 
-use buslens_bus::record::{Note, Origin, What};
+use buslens_bus::record::{End, Note, Origin, Outcome, What};
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Config, Event, Exchange, Failure, Job, LinkState, Master, Poll};
 use buslens_codec::line::{LineSettings, Mode, Parity};
@@ -46,6 +46,8 @@ fn raw_bytes_that_are_a_request_are_a_transaction() {
     let bytes = frame(Mode::Rtu, 1, &READ_BAUD);
     let exchange = send(&mut bench, bytes.clone(), None);
     assert_eq!(exchange.received, [0x01, 0x03, 0x02, 0x00, 0x03, 0xF8, 0x45]);
+    let outcome = Outcome::from(&exchange);
+    assert_eq!((outcome.end, outcome.at_us), (End::Answered, bench.sent().next().unwrap().0));
     assert!(matches!(exchange.result, Ok(Answer::Reply(Response::ReadHoldingRegisters { .. }))));
     assert_eq!(exchange.at.saturating_since(exchange.sent_at), exchange.round_trip.unwrap());
     assert_eq!(
@@ -79,6 +81,7 @@ fn a_damaged_frame_gets_silence_and_holds_the_line_for_its_wait_alone() {
     for wait_ms in [None, Some(0), Some(80), Some(1500)] {
         let exchange = send(&mut bench, damaged(), wait_ms);
         assert!(is_silence(&exchange.result), "{exchange:?}");
+        assert_eq!(Outcome::from(&exchange).end, End::Silence);
         assert_eq!((exchange.sent, exchange.round_trip), (damaged(), None));
         let held = exchange.at.saturating_since(exchange.sent_at + FACTORY.character_time(8));
         let asked = Duration::from_millis(wait_ms.unwrap_or(500).max(50));
@@ -329,7 +332,8 @@ fn a_replay_tells_what_was_told_live() {
         }
         live.extend(bench.run(Duration::from_millis(130)));
     }
-    let poll = Poll { unit: UnitId(1), requests: requests.to_vec(), period: PERIOD };
+    // Whose poll it was is not told beside the recording.
+    let poll = Poll { unit: UnitId(77), requests: requests.to_vec(), period: PERIOD };
     let (again, master) = replayed(&bench.notes, Config::new(FACTORY, Mode::Rtu), poll);
     assert!(live.iter().filter(|exchange| exchange.result.is_err()).count() >= 10);
     let good = |exchange: &Exchange| exchange.result.is_ok().then(|| (exchange.sent_at, exchange.received.clone()));
@@ -338,6 +342,7 @@ fn a_replay_tells_what_was_told_live() {
     assert_eq!(told_again.iter().filter(|one| !told.contains(one)).collect::<Vec<_>>(), [] as [&_; 0]);
     assert_eq!(told.iter().filter(|one| !told_again.contains(one)).collect::<Vec<_>>(), [] as [&_; 0]);
     assert!(again.iter().zip(&again[1..]).all(|((a, _), (b, _))| (a + 1) % 3 == *b));
+    assert_eq!(master.polled_unit(), Some(UnitId(1)));
     assert!(master.counters().replies >= bench.master.counters().replies - 1);
 }
 

@@ -1,13 +1,16 @@
 //! A recording happens again: the master steps through it as through live traffic, and nothing leaves.
 
+use buslens_codec::UnitId;
+
 use super::job::request_of;
+use super::poll::Schedule;
 use super::{Asker, Config, Current, LinkEvent, LinkState, Master};
 use crate::record::{Origin, What};
 use crate::time::Instant;
 
 impl Master {
     /// A master for [`Master::replay`], whose link counts as open. [`Master::set_poll`] tells it which requests were the
-    /// poll's. It sends nothing, whatever is submitted; jobs wait for ever.
+    /// poll's; its unit is that of the first one that comes. It sends nothing, whatever is submitted; jobs wait for ever.
     pub fn replaying(config: Config) -> Self {
         let mut master = Self::new(config);
         master.link.pretend(LinkState::Open);
@@ -36,6 +39,11 @@ impl Master {
             What::Lost => self.interrupted(now, LinkState::Lost),
             What::Sent { .. } | What::Break(_) | What::Forgotten(_) => {}
         }
+    }
+
+    /// Whom the poll asks; in a replay known from its first request on.
+    pub fn polled_unit(&self) -> Option<UnitId> {
+        self.schedule.as_ref().map(Schedule::unit)
     }
 
     /// The next request was made, so that nothing more answered the one before.
