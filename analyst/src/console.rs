@@ -3,7 +3,8 @@
 //!
 //! In: [`Console::hear`], [`Console::hear_line`], [`Console::handle_time`]. After any of them call [`Console::work`] until
 //! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_news`], [`Console::poll_progress`],
-//! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they are the engine's.
+//! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they
+//! are the engine's.
 //!
 //! There are up to three lists: the log of the line, a text that was brought in, and what a replay has brought forth. One
 //! of them is in view; the line's log goes on whatever is in view.

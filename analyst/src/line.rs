@@ -81,6 +81,8 @@ pub enum FromLine {
 
 /// The line as it is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+// Facts that do not exclude each other.
+#[allow(clippy::struct_excessive_bools)]
 pub struct LineState {
     /// Whether bytes can be sent now.
     pub open: bool,
