@@ -4,7 +4,9 @@
 //! all that crosses between worker and window. Nothing here makes sentences: that is the page's part, in two languages.
 
 mod desk;
+mod diary;
 mod export;
+mod facts;
 mod filter;
 pub mod line;
 mod look;
@@ -12,5 +14,6 @@ pub mod message;
 mod scale;
 mod statistics;
 mod sums;
+mod timing;
 
 pub use desk::{Cursor, Desk};
