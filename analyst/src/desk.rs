@@ -1,4 +1,6 @@
-//! One text at a time: read in portions, listed, filtered, counted.
+//! One text at a time, or the log of a line: read in portions, listed, filtered, counted.
+
+mod live;
 
 use buslens_bus::record::Origin;
 use buslens_codec::dissect::Direction;
@@ -24,8 +26,12 @@ const ROW_BYTES: usize = 520;
 /// Rows that are sent at once.
 const MOST_ROWS: u32 = 512;
 
-/// A text in work and what has come of it.
+pub use live::Cursor;
+use live::Live;
+
+/// A text in work, or a log that grows, and what has come of it.
 pub struct Desk {
+    live: Option<Live>,
     built_in: Vec<Profile>,
     choice: ProfileChoice,
     /// The profile in force: one of the built-in ones or the chosen file's.
@@ -64,6 +70,7 @@ impl Desk {
 
     fn with(built_in: Vec<Profile>) -> Self {
         Self {
+            live: None,
             built_in,
             choice: ProfileChoice::Auto,
             profile: None,
@@ -169,7 +176,7 @@ impl Desk {
 
     /// Counts and sifts up to `limit` entries of a text that has ended; whether there is more to do.
     pub fn work(&mut self, limit: usize) -> bool {
-        let entries = self.transcript.entries().len();
+        let entries = self.transcript.end();
         if !self.finished {
             return false;
         }
@@ -199,7 +206,7 @@ impl Desk {
             finished: self.finished,
             cancelled: self.cancelled,
             first: 0,
-            entries: place(self.transcript.entries().len()),
+            entries: place(self.transcript.end()),
             shown: place(self.shown()),
             edition: self.edition,
             form: self.reader.as_ref().map(Reader::form),
@@ -207,13 +214,14 @@ impl Desk {
             faults: self.faults.clone(),
             fault_count: self.reader.as_ref().map_or(0, Reader::fault_count) as u64,
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
+            held: 0,
+            after: Vec::new(),
         }
     }
 
     /// The counts of a text that has ended; `None` while they are being made.
     pub fn statistics(&self) -> Option<Statistics> {
-        (self.finished && self.surveyed == self.transcript.entries().len())
-            .then(|| self.counting.statistics(self.reading))
+        (self.finished && self.surveyed == self.transcript.end()).then(|| self.counting.statistics(self.reading))
     }
 
     /// Some of the list as it is filtered.
@@ -236,7 +244,7 @@ impl Desk {
     }
 
     /// Writes the list as it is filtered, in parts that are handed to `write` one after the other.
-    pub fn export(&self, format: Format, write: impl FnMut(&str)) {
+    pub fn export(&self, format: Format, write: impl FnMut(&[u8])) {
         let shown = (0..self.shown()).filter_map(|at| self.shown_at(at));
         export::write(&self.transcript, self.profile.as_ref(), format, shown, write);
     }
@@ -284,10 +292,10 @@ impl Desk {
     }
 
     fn survey(&mut self, index: usize) {
-        let Some(entry) = self.transcript.entries().get(index) else { return };
+        let Some(entry) = self.transcript.entry(index) else { return };
         let bytes = self.transcript.entry_bytes(index);
-        let Some((unit, pdu)) = parts(entry, bytes) else {
-            return self.counting.count(entry, None, &[]);
+        let Some((unit, pdu)) = parts(&entry, bytes) else {
+            return self.counting.count(&entry, None, &[]);
         };
         let shape = if entry.direction == Direction::Response { Shape::Response } else { Shape::Request };
         let outline = Outline::of_pdu(unit, &pdu, shape);
@@ -299,9 +307,9 @@ impl Desk {
                 self.scales.hear(&self.tellers, place(index), unit.0, outline.function, address, &registers);
             }
         }
-        let diagnoses = self.diagnoses_of(index, entry);
+        let diagnoses = self.diagnoses_of(index, &entry);
         self.counting.count(
-            entry,
+            &entry,
             outline.map(|outline| (unit.0, outline.function, outline.exception.is_some())),
             &diagnoses,
         );
@@ -318,25 +326,25 @@ impl Desk {
     }
 
     fn address_of(&self, index: usize) -> Option<u16> {
-        let entry = self.transcript.entries().get(index)?;
-        let (unit, pdu) = parts(entry, self.transcript.entry_bytes(index))?;
+        let entry = self.transcript.entry(index)?;
+        let (unit, pdu) = parts(&entry, self.transcript.entry_bytes(index))?;
         Outline::of_pdu(unit, &pdu, Shape::Request)?.address
     }
 
     fn shown(&self) -> usize {
-        if self.sieve.is_some() { self.shown.len() } else { self.transcript.entries().len() }
+        if self.sieve.is_some() { self.shown.len() } else { self.transcript.end() }
     }
 
     fn shown_at(&self, at: usize) -> Option<usize> {
         if self.sieve.is_some() {
             self.shown.get(at).map(|index| *index as usize)
         } else {
-            (at < self.transcript.entries().len()).then_some(at)
+            (at < self.transcript.end()).then_some(at)
         }
     }
 
     fn row(&self, index: usize) -> Option<Row> {
-        let entry = self.transcript.entries().get(index)?;
+        let entry = self.transcript.entry(index)?;
         let bytes = self.transcript.entry_bytes(index);
         let unit = self.transcript.header(index).map(|(unit, _)| unit);
         let told = unit.map(|unit| self.scales.known_before(place(index), unit.0)).unwrap_or_default();
@@ -344,8 +352,8 @@ impl Desk {
         let reading = self.transcript.reading(index, self.profile.as_ref(), &mut known);
         let request = entry.pair.filter(|_| entry.direction == Direction::Response);
         let request = request.and_then(|pair| {
-            let asked = self.transcript.entries().get(pair as usize)?;
-            parts(asked, self.transcript.entry_bytes(pair as usize))
+            let asked = self.transcript.entry(pair as usize)?;
+            parts(&asked, self.transcript.entry_bytes(pair as usize))
         });
         Some(Row {
             index: place(index),

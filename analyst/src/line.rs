@@ -64,6 +64,8 @@ pub enum ToLine {
 /// Engine to console.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromLine {
+    /// The engine's clock as it is now, in microseconds. The first message of all.
+    Clock(u64),
     /// What has happened since the last notes, at most at display rate.
     Notes(Vec<Note>),
     /// A [`ToLine::Send`] has ended.
@@ -79,6 +81,8 @@ pub enum FromLine {
 
 /// The line as it is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+// Facts that do not exclude each other.
+#[allow(clippy::struct_excessive_bools)]
 pub struct LineState {
     /// Whether bytes can be sent now.
     pub open: bool,

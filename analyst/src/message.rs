@@ -317,6 +317,10 @@ pub struct Progress {
     pub fault_count: u64,
     /// Id of the profile in force.
     pub profile: Option<String>,
+    /// Entries that have come since the list is held still.
+    pub held: u32,
+    /// What has happened to the port since the last entry, in order.
+    pub after: Vec<What>,
 }
 
 /// Some rows of the list.
@@ -365,9 +369,9 @@ pub struct Row {
     pub orphan: bool,
     /// Who had it sent; of a reply, who had its request sent.
     pub origin: Origin,
-    /// Time since the entry before it, in microseconds.
+    /// Time since the end of the entry before it, as far as that end is known, else since its beginning; in microseconds.
     pub gap_us: Option<u64>,
-    /// Of a reply, the time since its request, in microseconds.
+    /// Of a reply, the time from the beginning of its request to its own end, in microseconds.
     pub round_trip_us: Option<u64>,
     /// What happened to the port before it, in order.
     pub before: Vec<What>,
