@@ -227,6 +227,7 @@ impl Desk {
         Filter {
             unit: self.unit.with(|text| code(text)),
             function: self.function.with(|text| code(text)),
+            direction: None,
             errors_only: self.errors_only.get(),
             text: self.text.get(),
         }
@@ -315,6 +316,7 @@ impl Desk {
             FromAnalyst::Progress(_)
             | FromAnalyst::Statistics(_)
             | FromAnalyst::Sums(..)
+            | FromAnalyst::Console(_)
             | FromAnalyst::Panicked(_) => {}
         }
     }
@@ -395,7 +397,9 @@ fn save_file(format: Format, file: &JsValue) {
     let name = match format {
         Format::JsonLines => "buslens.jsonl",
         Format::Csv => "buslens.csv",
-        Format::Hex => "buslens.txt",
+        Format::Hex | Format::Text => "buslens.txt",
+        Format::Pcap => "buslens.pcap",
+        Format::Session => "buslens.session",
     };
     if let Some(file) = file.dyn_ref::<web_sys::Blob>() {
         crate::dom::save_file(file, name);
@@ -423,6 +427,11 @@ mod tests {
             diagnoses: vec![],
             unanswered: false,
             orphan: false,
+            origin: buslens_bus::record::Origin::Unknown,
+            gap_us: None,
+            round_trip_us: None,
+            before: vec![],
+            mark: None,
         };
         Rows { edition, from, rows: (from..from + count).map(row).collect() }
     }
