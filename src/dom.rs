@@ -273,6 +273,33 @@ pub(crate) fn key(event: &Event) -> String {
     event.dyn_ref::<KeyboardEvent>().map(KeyboardEvent::key).unwrap_or_default()
 }
 
+/// Whether the shift key was held, of a keyboard's or a mouse's event.
+pub(crate) fn is_shifted(event: &Event) -> bool {
+    Reflect::get(event, &"shiftKey".into()).is_ok_and(|held| held.is_truthy())
+}
+
+/// Whether control or the command key was held.
+pub(crate) fn is_commanded(event: &Event) -> bool {
+    ["ctrlKey", "metaKey", "altKey"].iter().any(|key| Reflect::get(event, &(*key).into()).is_ok_and(|held| held.is_truthy()))
+}
+
+/// Whether an event came from something that is typed into or chosen from.
+pub(crate) fn is_typing(event: &Event) -> bool {
+    let target = event.target().and_then(|target| target.dyn_into::<Element>().ok());
+    target.is_some_and(|target| target.closest("input,textarea,select").is_ok_and(|found| found.is_some()))
+}
+
+/// Moves the focus to the element with this id; whether there is one.
+pub(crate) fn focus(id: &str) -> bool {
+    let found = document().get_element_by_id(id).and_then(|found| found.dyn_into::<HtmlElement>().ok());
+    found.is_some_and(|found| found.focus().is_ok())
+}
+
+/// Whether the element with this id has the focus.
+pub(crate) fn has_focus(id: &str) -> bool {
+    document().active_element().is_some_and(|found| found.id() == id)
+}
+
 /// The value of the field that an event came from.
 pub(crate) fn value(event: &Event) -> String {
     event.target().map(|target| value_of(&target)).unwrap_or_default()

@@ -10,11 +10,11 @@ use wasm_bindgen::{JsCast, JsValue};
 use web_sys::Element;
 
 use crate::ambient::Ambient;
-use crate::analyst;
+use crate::analyst::Analyst;
 use crate::crash;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToWorkbench};
-use crate::pages::{Desk, builder_page, decoder_page, exchange_halves};
+use crate::pages::{Decoder, builder_page, decoder_page, exchange_halves};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -30,7 +30,7 @@ pub(crate) struct Workbench {
     /// What the address brings to be read.
     pub(crate) brought: RwSignal<String>,
     /// The Decoder page's state.
-    pub(crate) decoder: Desk,
+    pub(crate) decoder: Decoder,
     /// The last text whose checks the analyst has made, and what came of it.
     pub(crate) sums: RwSignal<Option<Summed>>,
     /// Counts the changes of the window's size.
@@ -55,7 +55,7 @@ impl Workbench {
             page: RwSignal::new(None),
             exchange: RwSignal::new(None),
             brought: route::follow_text(),
-            decoder: Desk::remembered(),
+            decoder: Decoder::remembered(),
             sums: RwSignal::new(None),
             size_turn: RwSignal::new(0),
         }
@@ -63,7 +63,7 @@ impl Workbench {
 
     /// Starts the analyst's worker, if it has not been.
     pub(crate) fn start_analyst(&'static self) {
-        analyst::start(move |message, beside| match message {
+        Analyst::Decoder.start(move |message, beside| match message {
             FromAnalyst::Sums(text, sums) => self.sums.set(Some((text, sums))),
             message => self.decoder.hear(message, &beside),
         });

@@ -5,5 +5,5 @@ mod decoder;
 mod live;
 
 pub(crate) use builder::builder_page;
-pub(crate) use decoder::{Desk, decoder_page};
+pub(crate) use decoder::{Decoder, decoder_page};
 pub(crate) use live::{exchange_halves, live_page};
