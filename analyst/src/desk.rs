@@ -1,4 +1,6 @@
-//! One text at a time: read in portions, listed, filtered, counted.
+//! One text at a time, or the log of a line: read in portions, listed, filtered, counted.
+
+mod live;
 
 use buslens_bus::record::Origin;
 use buslens_codec::dissect::Direction;
@@ -24,8 +26,12 @@ const ROW_BYTES: usize = 520;
 /// Rows that are sent at once.
 const MOST_ROWS: u32 = 512;
 
-/// A text in work and what has come of it.
+pub use live::Cursor;
+use live::Live;
+
+/// A text in work, or a log that grows, and what has come of it.
 pub struct Desk {
+    live: Option<Live>,
     built_in: Vec<Profile>,
     choice: ProfileChoice,
     /// The profile in force: one of the built-in ones or the chosen file's.
@@ -64,6 +70,7 @@ impl Desk {
 
     fn with(built_in: Vec<Profile>) -> Self {
         Self {
+            live: None,
             built_in,
             choice: ProfileChoice::Auto,
             profile: None,
@@ -207,6 +214,8 @@ impl Desk {
             faults: self.faults.clone(),
             fault_count: self.reader.as_ref().map_or(0, Reader::fault_count) as u64,
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
+            held: 0,
+            after: Vec::new(),
         }
     }
 
@@ -236,7 +245,7 @@ impl Desk {
     }
 
     /// Writes the list as it is filtered, in parts that are handed to `write` one after the other.
-    pub fn export(&self, format: Format, write: impl FnMut(&str)) {
+    pub fn export(&self, format: Format, write: impl FnMut(&[u8])) {
         let shown = (0..self.shown()).filter_map(|at| self.shown_at(at));
         export::write(&self.transcript, self.profile.as_ref(), format, shown, write);
     }

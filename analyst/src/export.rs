@@ -18,12 +18,12 @@ pub(crate) fn write(
     profile: Option<&Profile>,
     format: Format,
     shown: impl Iterator<Item = usize>,
-    mut write: impl FnMut(&str),
+    mut write: impl FnMut(&[u8]),
 ) {
     let mut text = String::new();
     let mut hand_on = |text: &mut String| {
         if text.len() >= PORTION {
-            write(text);
+            write(text.as_bytes());
             text.clear();
         }
     };
@@ -62,7 +62,7 @@ pub(crate) fn write(
             }
         }
     }
-    write(&text);
+    write(text.as_bytes());
 }
 
 /// A row of a table (RFC 4180). No cell can hold a comma or a quote.

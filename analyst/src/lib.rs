@@ -3,6 +3,7 @@
 //! [`Desk`] does the work and knows no browser; the program of this package gives it a worker to work in. [`message`] is
 //! all that crosses between worker and window. Nothing here makes sentences: that is the page's part, in two languages.
 
+mod console;
 mod desk;
 mod export;
 mod filter;
@@ -13,4 +14,5 @@ mod scale;
 mod statistics;
 mod sums;
 
-pub use desk::Desk;
+pub use console::Console;
+pub use desk::{Cursor, Desk};

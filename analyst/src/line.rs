@@ -1,5 +1,6 @@
 //! What the console's worker and the engine say to each other, over a channel of their own. Neither waits for the window.
 
+pub use buslens_bus::record::{End, Outcome};
 use buslens_bus::record::{Note, Origin};
 use buslens_codec::line::{LineSettings, Mode};
 use serde::{Deserialize, Serialize};
@@ -63,6 +64,8 @@ pub enum ToLine {
 /// Engine to console.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromLine {
+    /// The engine's clock as it is now, in microseconds. The first message of all.
+    Clock(u64),
     /// What has happened since the last notes, at most at display rate.
     Notes(Vec<Note>),
     /// A [`ToLine::Send`] has ended.
@@ -74,43 +77,6 @@ pub enum FromLine {
     },
     /// The line as it is now. Sent at the beginning and whenever something in it has changed.
     State(LineState),
-}
-
-/// How sending has ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Outcome {
-    /// When the bytes were handed to the port, in microseconds on the engine's clock; of bytes that were not sent, when
-    /// that was decided.
-    pub at_us: u64,
-    /// What was heard until the end: the reply's frame alone where one was recognised.
-    pub heard: Vec<u8>,
-    /// From the first byte sent to the last byte heard, in microseconds.
-    pub round_trip_us: Option<u32>,
-    /// How it ended.
-    pub end: End,
-}
-
-/// How sending has ended, in a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum End {
-    /// The reply came. An exception is a reply.
-    Answered,
-    /// A broadcast, which nobody answers, is out.
-    Broadcast,
-    /// Bytes that are no request of this mode are out, and something was heard.
-    Heard,
-    /// Nothing was heard.
-    Silence,
-    /// Something was heard that is no reply, or whose check is wrong.
-    Damaged,
-    /// A reply came that may belong to an earlier request.
-    Doubtful,
-    /// Not sent: it would have written, and only reads are let out.
-    ReadOnly,
-    /// Not sent, or not ended: the port is closed or gone.
-    NoPort,
-    /// Not sent: it was withdrawn.
-    Withdrawn,
 }
 
 /// The line as it is.

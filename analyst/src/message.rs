@@ -6,6 +6,7 @@ use buslens_codec::diagnose::Diagnosis;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{Form, IntakeError};
 use buslens_codec::line::Mode;
+use buslens_sequence::{Caution, Changes, Fault};
 use serde::{Deserialize, Serialize};
 
 use crate::line::{LineState, Outcome, ToLine};
@@ -77,10 +78,20 @@ pub enum ToConsole {
     StopSending,
     /// Hand this on to the engine.
     Line(ToLine),
-    /// Look for faults in a sequence's text.
-    Check(String),
-    /// Run a sequence, if its text has no fault.
+    /// Look for faults in a sequence's text. Answered by [`FromConsole::Checked`].
+    Check {
+        /// Names the answer.
+        edition: u32,
+        /// The sequence's text.
+        text: String,
+        /// The device's profile, as the text of its file; empty for none.
+        profile: String,
+    },
+    /// Run a sequence, if its text has no fault. Answered by [`FromConsole::Checked`], then by [`FromConsole::Run`]
+    /// until it has ended.
     Run {
+        /// Names the answers.
+        edition: u32,
         /// The sequence's text.
         text: String,
         /// The device's profile, as the text of its file; empty for none.
@@ -231,6 +242,22 @@ pub enum FromConsole {
     },
     /// How a replay stands.
     Replay(Replay),
+    /// A sequence's text was looked at.
+    Checked {
+        /// As it was asked.
+        edition: u32,
+        /// All that is wrong; empty for a text that can run.
+        faults: Vec<Fault>,
+        /// Steps that can lose the device, or change how it is reached or what it measures.
+        cautions: Vec<Caution>,
+    },
+    /// What has changed in a running sequence's report, at most at display rate.
+    Run {
+        /// As it was asked.
+        edition: u32,
+        /// To be put into the report with `Report::apply`.
+        changes: Changes,
+    },
 }
 
 /// How a replay stands.
@@ -290,6 +317,10 @@ pub struct Progress {
     pub fault_count: u64,
     /// Id of the profile in force.
     pub profile: Option<String>,
+    /// Entries that have come since the list is held still.
+    pub held: u32,
+    /// What has happened to the port since the last entry, in order.
+    pub after: Vec<What>,
 }
 
 /// Some rows of the list.
@@ -338,9 +369,9 @@ pub struct Row {
     pub orphan: bool,
     /// Who had it sent; of a reply, who had its request sent.
     pub origin: Origin,
-    /// Time since the entry before it, in microseconds.
+    /// Time since the end of the entry before it, as far as that end is known, else since its beginning; in microseconds.
     pub gap_us: Option<u64>,
-    /// Of a reply, the time since its request, in microseconds.
+    /// Of a reply, the time from the beginning of its request to its own end, in microseconds.
     pub round_trip_us: Option<u64>,
     /// What happened to the port before it, in order.
     pub before: Vec<What>,

@@ -55,3 +55,40 @@ pub enum What {
     /// So many bytes of notes had to be forgotten before anybody took them.
     Forgotten(u64),
 }
+
+/// How sending has ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// When the bytes were handed to the port, in microseconds on the engine's clock; of bytes that were not sent, when
+    /// that was decided.
+    pub at_us: u64,
+    /// What was heard until the end: the reply's frame alone where one was recognised.
+    pub heard: Vec<u8>,
+    /// From the first byte sent to the last byte heard, in microseconds.
+    pub round_trip_us: Option<u32>,
+    /// How it ended.
+    pub end: End,
+}
+
+/// How sending has ended, in a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum End {
+    /// The reply came. An exception is a reply.
+    Answered,
+    /// A broadcast, which nobody answers, is out.
+    Broadcast,
+    /// Bytes that are no request of this mode are out, and something was heard.
+    Heard,
+    /// Nothing was heard.
+    Silence,
+    /// Something was heard that is no reply, or whose check is wrong.
+    Damaged,
+    /// A reply came that may belong to an earlier request.
+    Doubtful,
+    /// Not sent: it would have written, and only reads are let out.
+    ReadOnly,
+    /// Not sent, or not ended: the port is closed or gone.
+    NoPort,
+    /// Not sent: it was withdrawn.
+    Withdrawn,
+}

@@ -124,6 +124,14 @@ impl Transcript {
         self.feed(self.bytes.len());
     }
 
+    /// The line is quiet: what is held back becomes entries. More may come; it is not joined to what came before.
+    pub fn settle(&mut self) {
+        let Some(run) = &self.run else { return };
+        let (mode, mark) = (run.mode, run.mark);
+        self.end_run();
+        self.run = Some(Run::new(mode, mark, self.taken));
+    }
+
     /// No more bytes come: what is left becomes entries.
     pub fn finish(&mut self) {
         self.end_run();

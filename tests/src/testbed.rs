@@ -2,12 +2,14 @@
 
 mod adapter;
 mod browser;
+mod chatter;
 mod independent;
 mod pty;
 mod wire;
 
 pub use adapter::{Adapter, CH340};
 pub use browser::{Browser, Look};
+pub use chatter::Chatter;
 pub use independent::{Registers, Relay};
 pub use pty::Pty;
 pub use wire::{FarEnd, Wire};

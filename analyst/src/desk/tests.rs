@@ -124,7 +124,7 @@ fn files_of_the_list_hold_what_is_shown() {
     let mut desk = read(LOG, level());
     let export = |desk: &Desk, format| {
         let mut text = String::new();
-        desk.export(format, |part| text.push_str(part));
+        desk.export(format, |part| text.push_str(std::str::from_utf8(part).unwrap()));
         text
     };
     assert_eq!(export(&desk, Format::JsonLines).lines().count(), 8);

@@ -1,6 +1,6 @@
 //! Real time for a sans-io line: a thread that carries bytes between the pty and what answers at its far end.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,7 @@ use buslens_bus::sim::{Device, Line};
 use buslens_bus::time::Instant;
 use buslens_codec::line::LineSettings;
 use nix::errno::Errno;
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
 
@@ -27,7 +28,7 @@ pub trait FarEnd: Send + 'static {
     fn handle_timeout(&mut self, now: Instant);
     /// When time matters next.
     fn poll_timeout(&self) -> Option<Instant>;
-    /// Bytes that reach the browser now.
+    /// Bytes that reach the browser now. Not asked for while the browser has not taken what came before.
     fn poll_transmit(&mut self) -> Option<Vec<u8>>;
 }
 
@@ -75,6 +76,8 @@ struct State<F> {
     sent: Vec<u8>,
     /// Bytes to reach the browser out of nowhere.
     injected: Vec<u8>,
+    /// Bytes that the browser has had no room for yet.
+    unsent: Vec<u8>,
 }
 
 impl<F> Shared<F> {
@@ -92,9 +95,17 @@ impl<F: FarEnd> Wire<F> {
     /// A new wire.
     pub fn new(far_end: F) -> Self {
         let pty = Pty::open();
+        // Who talks faster than the browser listens waits; the wire itself never does.
+        fcntl(&pty.master, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).expect("a descriptor takes flags");
         let device = pty.device().to_owned();
-        let state =
-            State { far_end: Some(far_end), stopping: false, settings: None, sent: Vec::new(), injected: Vec::new() };
+        let state = State {
+            far_end: Some(far_end),
+            stopping: false,
+            settings: None,
+            sent: Vec::new(),
+            injected: Vec::new(),
+            unsent: Vec::new(),
+        };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), origin: Clock::now() });
         let (waker, bell) = UnixStream::pair().expect("a socket pair");
         waker.set_nonblocking(true).expect("a socket");
@@ -192,7 +203,7 @@ impl<F: FarEnd> Drop for Wire<F> {
 fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
     let mut buffer = [0; 4096];
     loop {
-        let due = {
+        let (due, is_full) = {
             let mut state = shared.lock();
             if state.stopping {
                 return;
@@ -200,10 +211,11 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
             let now = shared.now();
             advance(&mut state, pty, now);
             let due = state.far_end.as_ref().and_then(FarEnd::poll_timeout);
-            due.map(|due| due.saturating_since(shared.now()))
+            (due.map(|due| due.saturating_since(shared.now())), !state.unsent.is_empty())
         };
-        let mut ready =
-            [PollFd::new(pty.master.as_fd(), PollFlags::POLLIN), PollFd::new(bell.as_fd(), PollFlags::POLLIN)];
+        let mut wanted = PollFlags::POLLIN;
+        wanted.set(PollFlags::POLLOUT, is_full);
+        let mut ready = [PollFd::new(pty.master.as_fd(), wanted), PollFd::new(bell.as_fd(), PollFlags::POLLIN)];
         match ppoll(&mut ready, due.map(TimeSpec::from_duration), None) {
             Ok(_) | Err(Errno::EINTR) => {}
             Err(_) => return,
@@ -229,13 +241,21 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
 
 fn advance<F: FarEnd>(state: &mut State<F>, pty: &Pty, now: Instant) {
     notice_settings(state, pty, now);
-    let mut bytes = std::mem::take(&mut state.injected);
+    state.unsent.append(&mut state.injected);
     if let Some(far_end) = &mut state.far_end {
         far_end.handle_timeout(now);
-        bytes.extend(std::iter::from_fn(|| far_end.poll_transmit()).flatten());
+        if state.unsent.is_empty() {
+            state.unsent.extend(std::iter::from_fn(|| far_end.poll_transmit()).flatten());
+        }
     }
-    // With nobody at the other end the bytes are lost, as on a line.
-    let _ = (&pty.master).write_all(&bytes);
+    if !state.unsent.is_empty() {
+        match (&pty.master).write(&state.unsent) {
+            Ok(count) => drop(state.unsent.drain(..count)),
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+            // With nobody at the other end the bytes are lost, as on a line.
+            Err(_) => state.unsent.clear(),
+        }
+    }
 }
 
 fn notice_settings<F: FarEnd>(state: &mut State<F>, pty: &Pty, now: Instant) {
