@@ -39,6 +39,11 @@ pub(crate) fn find(id: &str) -> &'static Device {
     all().iter().find(|device| device.id() == id).unwrap_or_else(first)
 }
 
+/// The device whose profile's file has this text.
+pub(crate) fn of_source(text: &str) -> Option<&'static Device> {
+    all().iter().find(|device| device.source() == text)
+}
+
 impl Device {
     /// The text of its profile's file.
     pub(crate) fn source(&self) -> &'static str {

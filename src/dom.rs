@@ -11,7 +11,7 @@ use std::any::Any;
 use crate::reactive::prelude::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
-use web_sys::{Blob, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
+use web_sys::{Blob, BlobPropertyBag, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
 
 use crate::ambient::Ambient;
 use crate::text::Language;
@@ -254,6 +254,16 @@ pub(crate) fn save_file(file: &Blob, name: &str) {
     }
     // The browser has taken the file up with the click.
     let _ = Url::revoke_object_url(&address);
+}
+
+/// Lets the browser save a text as a file.
+pub(crate) fn save_text(text: &str, kind: &str, name: &str) {
+    let options = BlobPropertyBag::new();
+    options.set_type(kind);
+    let parts = js_sys::Array::of1(&text.into());
+    if let Ok(file) = Blob::new_with_str_sequence_and_options(&parts, &options) {
+        save_file(&file, name);
+    }
 }
 
 /// Whether the element of an event, one that opens and closes, is open.

@@ -61,6 +61,7 @@ impl Engine {
     fn handle(self: &Rc<Self>, slot: &mut Option<Session>, input: Input) {
         match input {
             Input::Window(ToEngine::PortsChanged) => list_ports(),
+            Input::Window(ToEngine::Attach) => {}
             Input::Window(ToEngine::Connect(connection)) => {
                 // The old session's port closes by itself when it is dropped; the new one waits for nothing else.
                 let number = slot.take().map_or(0, |old| old.number() + 1);

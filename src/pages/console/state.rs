@@ -243,6 +243,7 @@ impl Console {
             FromConsole::Line(state) => self.line.set(Some(state)),
             FromConsole::Sent { id, times, more, outcome } => self.dock.take_outcome(id, times, more, outcome),
             FromConsole::Replay(replay) => self.replay.set(replay),
+            FromConsole::Checked { .. } | FromConsole::Run { .. } => {}
         }
     }
 
