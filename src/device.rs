@@ -11,16 +11,21 @@ use crate::message::Status;
 use crate::text::Language;
 
 static DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
-    let load = |file: &&'static str| {
-        // The codec's tests load every built-in profile.
-        Profile::from_json(file).ok().map(|profile| Device { file, profile })
-    };
-    BUILT_IN.iter().filter_map(load).collect()
+    // Packed by this package's build script from the files that the codec's tests load.
+    let packed: Vec<&'static [u8]> =
+        postcard::from_bytes(include_bytes!(concat!(env!("OUT_DIR"), "/profiles"))).unwrap_or_default();
+    packed
+        .into_iter()
+        .enumerate()
+        .filter_map(|(place, packed)| Profile::unpack(packed).map(|profile| Device { place, packed, profile }))
+        .collect()
 });
 
 /// A device that can be chosen.
 pub(crate) struct Device {
-    file: &'static str,
+    /// Its place among the built-in ones.
+    place: usize,
+    packed: &'static [u8],
     profile: Profile,
 }
 
@@ -45,9 +50,14 @@ pub(crate) fn of_source(text: &str) -> Option<&'static Device> {
 }
 
 impl Device {
-    /// The text of its profile's file.
+    /// The text of its profile's file. The first program does without: it would carry all texts.
     pub(crate) fn source(&self) -> &'static str {
-        self.file
+        BUILT_IN.get(self.place).copied().unwrap_or_default()
+    }
+
+    /// Its profile, packed.
+    pub(crate) fn packed(&self) -> &'static [u8] {
+        self.packed
     }
 
     /// Its profile.

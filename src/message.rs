@@ -86,8 +86,8 @@ pub(crate) struct Connection {
     pub unit: UnitId,
     /// Wanted time between two readings, in milliseconds.
     pub period_ms: u32,
-    /// The device's profile, as the text of its file.
-    pub profile: String,
+    /// The device's profile, packed.
+    pub profile: Vec<u8>,
 }
 
 /// Where the bytes go.

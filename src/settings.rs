@@ -116,7 +116,7 @@ impl Settings {
             stop_bits: self.stop_bits.with(|text| parse_stop_bits(text)),
         };
         let (unit, period_ms) = (UnitId(self.unit()?), self.period_ms()?);
-        Some(Connection { source, line, mode, unit, period_ms, profile: self.device().source().to_owned() })
+        Some(Connection { source, line, mode, unit, period_ms, profile: self.device().packed().to_owned() })
     }
 }
 
@@ -128,7 +128,7 @@ pub(crate) fn demonstration(device: &Device) -> Connection {
         mode: device.mode(),
         unit: UnitId(device.profile().unit),
         period_ms: device.period_ms(),
-        profile: device.source().to_owned(),
+        profile: device.packed().to_owned(),
     }
 }
 

@@ -21,7 +21,7 @@ use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 
 use crate::desk::{Cursor, Desk};
-use crate::line::{FromLine, LineState, Outcome, ToLine};
+use crate::line::{End, FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, ToConsole};
 use outbox::Outbox;
 use playback::Playback;
@@ -116,9 +116,11 @@ impl Console {
                 // An entry that is gone has lost its mark with it.
                 self.desk_mut().mark(index, comment);
             }
+            // Nobody would ever answer.
+            ToConsole::Send(sending) if self.line.is_none() => sends::refuse(&sending, End::NoPort, &mut self.out),
             ToConsole::Send(sending) => self.sends.begin(now, sending, &mut self.out),
             ToConsole::StopSending => self.sends.stop(&mut self.out),
-            ToConsole::Line(order) => self.out.to_line(order),
+            ToConsole::Line(order) => self.out.order(order),
             ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, profile),
             ToConsole::StopReplay => self.end_playback(),
             ToConsole::Check { .. } | ToConsole::Run { .. } | ToConsole::Stop => {}
@@ -276,11 +278,11 @@ impl Console {
             } else if playback.has_begun() {
                 // Somebody has connected meanwhile.
                 self.playback = None;
-                self.out.to_window(FromConsole::Replay(Replay::default()));
+                self.out.tell(FromConsole::Replay(Replay::default()));
             }
         }
         self.line = Some(state.clone());
-        self.out.to_window(FromConsole::Line(state));
+        self.out.tell(FromConsole::Line(state));
         self.play(now);
     }
 
@@ -301,7 +303,7 @@ impl Console {
         }
         let source = if self.source == View::Text { &self.text } else { &self.live };
         let Some(first_us) = source.next_note(&mut Cursor::default()).map(|note| note.at_us) else {
-            return self.out.to_window(FromConsole::Replay(Replay::default()));
+            return self.out.tell(FromConsole::Replay(Replay::default()));
         };
         let last_us = first_us.saturating_add(source.duration_us());
         let (line, mode) = source.line_at_start().unwrap_or_else(|| match &self.line {
@@ -312,7 +314,7 @@ impl Console {
         self.playback = Some(Playback::new(now, speed_permille, first_us, last_us));
         self.replayed = Some(self.new_log(source.epoch_us().unwrap_or(0)));
         self.show(View::Replayed);
-        self.out.to_line(ToLine::Replay { profile, line, mode });
+        self.out.order(ToLine::Replay { profile, line, mode });
     }
 
     fn play(&mut self, now: Instant) {
@@ -327,8 +329,8 @@ impl Console {
 
     fn end_playback(&mut self) {
         if let Some(playback) = self.playback.take() {
-            self.out.to_line(ToLine::ReplayEnded);
-            self.out.to_window(FromConsole::Replay(playback.state(false)));
+            self.out.order(ToLine::ReplayEnded);
+            self.out.tell(FromConsole::Replay(playback.state(false)));
         }
     }
 

@@ -117,7 +117,7 @@ impl Analyst {
         let analyst = Rc::downgrade(self);
         let hear = move |message: FromLine| {
             if let Some(analyst) = analyst.upgrade() {
-                analyst.console.borrow_mut().hear_line(now(), message);
+                analyst.console.borrow_mut().hear_line(now(), scope::unix_us(), message);
                 analyst.drain();
             }
         };

@@ -47,6 +47,14 @@ pub(crate) fn now() -> Instant {
     Instant::from_micros((milliseconds() * 1000.0) as u64)
 }
 
+/// The time since the beginning of 1970, in microseconds.
+pub(crate) fn unix_us() -> u64 {
+    // As above.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let micros = ((scope().performance().time_origin() + milliseconds()) * 1000.0) as u64;
+    micros
+}
+
 /// The channel to the engine.
 pub(crate) struct Line {
     port: MessagePort,
@@ -166,6 +174,8 @@ extern "C" {
     type Performance;
     #[wasm_bindgen(method)]
     fn now(this: &Performance) -> f64;
+    #[wasm_bindgen(method, getter, js_name = timeOrigin)]
+    fn time_origin(this: &Performance) -> f64;
 
     type Navigator;
     #[wasm_bindgen(method, getter)]

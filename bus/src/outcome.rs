@@ -14,6 +14,8 @@ pub enum Answer {
     Reply(Response),
     /// A broadcast write has left and the turnaround has passed; nobody answers a broadcast.
     BroadcastSent,
+    /// Bytes that are no request have left, something was heard, and the line is quiet.
+    Heard,
 }
 
 /// Why a job brought no answer.
@@ -50,6 +52,9 @@ pub enum Failure {
     /// The port closed or vanished before the reply.
     #[error("the port is gone")]
     LinkLost,
+    /// It may change something in a device, and only reads are let out. Not sent.
+    #[error("only reads are let out")]
+    ReadOnly,
     /// The request breaks a limit of the standard and was not sent.
     #[error(transparent)]
     Invalid(#[from] PduError),
@@ -75,7 +80,7 @@ impl Failure {
             Self::Exception { code: ExceptionCode::Acknowledge | ExceptionCode::ServerDeviceBusy, .. } => {
                 NextStep::Retry
             }
-            Self::Exception { .. } | Self::Invalid(_) => NextStep::ChangeRequest,
+            Self::Exception { .. } | Self::ReadOnly | Self::Invalid(_) => NextStep::ChangeRequest,
             Self::LinkLost => NextStep::ReopenPort,
             Self::NoAnswer { .. } | Self::BadCheck { .. } | Self::Doubtful | Self::Unproven => {
                 if wrote {
@@ -93,14 +98,23 @@ impl Failure {
 pub struct Exchange {
     /// The whole frame that was sent; empty if none was.
     pub sent: Vec<u8>,
-    /// The whole frame that answered; empty if none did.
+    /// The whole frame that answered, or whatever was heard instead.
     pub received: Vec<u8>,
+    /// When the bytes were handed to the port; of bytes that were not sent, when it ended.
+    pub sent_at: Instant,
     /// When it ended.
     pub at: Instant,
     /// From the first byte handed to the port to the last byte of the reply, if there was one.
     pub round_trip: Option<Duration>,
     /// The answer or the reason why there is none.
     pub result: Result<Answer, Failure>,
+}
+
+impl Exchange {
+    /// Nothing was sent.
+    pub(crate) fn unsent(now: Instant, failure: Failure) -> Self {
+        Self { sent: Vec::new(), received: Vec::new(), sent_at: now, at: now, round_trip: None, result: Err(failure) }
+    }
 }
 
 /// Counts since the link was first opened.
@@ -134,7 +148,8 @@ impl Counters {
             Err(Failure::Exception { .. }) => self.exceptions += 1,
             Err(Failure::NoAnswer { .. } | Failure::Doubtful | Failure::Unproven) => self.no_answers += 1,
             Err(Failure::BadCheck { .. }) => self.bad_checks += 1,
-            Ok(Answer::BroadcastSent) | Err(Failure::LinkLost | Failure::Invalid(_)) => {}
+            Ok(Answer::BroadcastSent | Answer::Heard)
+            | Err(Failure::LinkLost | Failure::ReadOnly | Failure::Invalid(_)) => {}
         }
     }
 }

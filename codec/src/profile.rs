@@ -14,6 +14,8 @@ mod score;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use crate::line::{LineSettings, Mode};
 use crate::unit::UnitId;
 
@@ -34,7 +36,7 @@ pub const BUILT_IN: &[&str] = &[
 pub const FORMAT: u32 = 1;
 
 /// A device, as data.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// [`FORMAT`].
     pub format: u32,
@@ -106,6 +108,17 @@ impl Profile {
     /// Reads and checks a profile's file.
     pub fn from_json(text: &str) -> Result<Self, ProfileError> {
         load::load(text)
+    }
+
+    /// The profile in few bytes, for another program of the same build: the form changes with the program.
+    pub fn pack(&self) -> Vec<u8> {
+        // Nothing in a profile is without a packed form, and a vector takes any number of bytes.
+        postcard::to_allocvec(self).unwrap_or_default()
+    }
+
+    /// A packed profile; `None` for other bytes.
+    pub fn unpack(packed: &[u8]) -> Option<Self> {
+        postcard::from_bytes(packed).ok()
     }
 
     /// The point with this id.
@@ -196,6 +209,16 @@ mod tests {
             assert_eq!(profile.measurements().iter().filter(|point| point.primary).count(), 1, "{}", profile.id);
             let registers: Vec<u16> = profile.points.iter().map(|point| point.register).collect();
             assert!(registers.is_sorted(), "{}", profile.id);
+        }
+    }
+
+    #[test]
+    fn a_packed_profile_comes_out_as_it_was_and_cut_off_not_at_all() {
+        for text in BUILT_IN {
+            let profile = Profile::from_json(text).unwrap();
+            let packed = profile.pack();
+            assert_eq!(Profile::unpack(&packed).as_ref(), Some(&profile));
+            assert!((0..packed.len()).all(|len| Profile::unpack(&packed[..len]).is_none()), "{}", profile.id);
         }
     }
 

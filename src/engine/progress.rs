@@ -75,7 +75,7 @@ impl Progress {
         }
         match &exchange.result {
             Ok(Answer::Reply(response)) => self.answered(index, exchange.at, response),
-            Ok(Answer::BroadcastSent) => {}
+            Ok(Answer::BroadcastSent | Answer::Heard) => {}
             Err(failure) => self.failed(exchange.at, failure),
         }
     }
@@ -131,7 +131,7 @@ impl Progress {
                 self.status.health = Health::Failing(trouble);
                 return;
             }
-            Failure::Unproven | Failure::LinkLost | Failure::Invalid(_) => return,
+            Failure::Unproven | Failure::LinkLost | Failure::ReadOnly | Failure::Invalid(_) => return,
         };
         self.misses += 1;
         if self.misses >= MISSES && at >= self.patient_until {
@@ -168,7 +168,7 @@ mod tests {
 
     fn exchange(at_ms: u64, result: Result<Answer, Failure>) -> Exchange {
         let at = Instant::from_micros(at_ms * 1000);
-        Exchange { sent: vec![1], received: vec![], at, round_trip: None, result }
+        Exchange { sent: vec![1], received: vec![], sent_at: at, at, round_trip: None, result }
     }
 
     fn reply(values: &[u16]) -> Answer {

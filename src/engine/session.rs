@@ -109,8 +109,8 @@ impl Session {
                 LinkOrder::Close => self.port.close(),
             }
         }
-        while let Some(bytes) = self.master.poll_transmit() {
-            self.port.write(&bytes);
+        while let Some(transmit) = self.master.poll_transmit() {
+            self.port.write(&transmit.bytes);
         }
         while let Some(event) = self.master.poll_event() {
             match event {
@@ -153,7 +153,7 @@ impl Session {
 }
 
 fn load_profile(connection: &Connection) -> Result<Profile, OpenFault> {
-    Profile::from_json(&connection.profile).map_err(|error| OpenFault::Other(error.to_string()))
+    Profile::unpack(&connection.profile).ok_or_else(|| OpenFault::Other("the profile cannot be read".to_owned()))
 }
 
 fn make_port(engine: &Rc<Engine>, number: u32, connection: &Connection) -> Result<Box<dyn Port>, OpenFault> {

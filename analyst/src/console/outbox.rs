@@ -20,11 +20,11 @@ impl Outbox {
         self.last_number
     }
 
-    pub(super) fn to_line(&mut self, order: ToLine) {
+    pub(super) fn order(&mut self, order: ToLine) {
         self.line.push_back(order);
     }
 
-    pub(super) fn to_window(&mut self, news: FromConsole) {
+    pub(super) fn tell(&mut self, news: FromConsole) {
         self.window.push_back(news);
     }
 }

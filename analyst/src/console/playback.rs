@@ -97,12 +97,12 @@ impl Playback {
             self.away += notes.iter().map(weight).sum::<usize>();
             self.played_us = notes.iter().map(|note| note.at_us).fold(self.played_us, u64::max);
             (self.moved, self.played) = (now, Some(now));
-            out.to_line(ToLine::Play(notes));
+            out.order(ToLine::Play(notes));
         }
         let ended = self.exhausted && self.ahead.is_empty();
         if !ended && self.told_at.is_none_or(|told_at| now.saturating_since(told_at) >= NEWS_PERIOD) {
             self.told_at = Some(now);
-            out.to_window(FromConsole::Replay(self.state(true)));
+            out.tell(FromConsole::Replay(self.state(true)));
         }
         ended
     }
@@ -149,7 +149,7 @@ impl Playback {
 }
 
 /// Bytes of a note that are on the line.
-fn weight(note: &Note) -> usize {
+pub(super) fn weight(note: &Note) -> usize {
     match &note.what {
         What::Sent { bytes, .. } | What::Received(bytes) => bytes.len(),
         What::Forgotten(bytes) => usize::try_from(*bytes).unwrap_or(usize::MAX),

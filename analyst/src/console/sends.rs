@@ -6,7 +6,6 @@ use buslens_bus::record::Origin;
 use buslens_bus::time::Instant;
 use buslens_codec::ascii;
 use buslens_codec::line::Mode;
-use buslens_sequence::Pattern;
 
 use super::outbox::Outbox;
 use crate::line::{End, Outcome, ToLine};
@@ -25,7 +24,6 @@ pub(super) struct Sends {
 #[derive(Debug)]
 struct Round {
     sending: Sending,
-    pattern: Option<Pattern>,
     /// The engine's number of what it has not answered yet.
     asked: Option<u32>,
     /// When the present exchange should have begun; the next one is counted from there.
@@ -44,24 +42,18 @@ struct Round {
 impl Sends {
     /// Begins to send. Something that is repeated takes the place of whatever was repeated before.
     pub(super) fn begin(&mut self, now: Instant, sending: Sending, out: &mut Outbox) {
-        let until = sending.repeat.as_ref().map(|repeat| &repeat.until);
-        let pattern = match until {
-            Some(Until::Heard(text)) => match Pattern::parse(text) {
-                Ok(pattern) => Some(pattern),
-                // Nothing would ever end it: it does not begin.
-                Err(_) => return out.to_window(refusal(&sending)),
-            },
-            _ => None,
-        };
-        if sending.repeat.as_ref().is_some_and(|repeat| repeat.times == Some(0)) {
-            return out.to_window(refusal(&sending));
+        if sending
+            .repeat
+            .as_ref()
+            .is_some_and(|repeat| repeat.times == Some(0) || matches!(repeat.until, Until::Heard(_)))
+        {
+            return refuse(&sending, End::Withdrawn, out);
         }
         if sending.repeat.is_some() {
             self.stop(out);
         }
         let mut round = Round {
             sending,
-            pattern,
             asked: None,
             begun: now,
             next: None,
@@ -82,7 +74,7 @@ impl Sends {
             round.stopped = true;
             round.next = None;
             match round.asked {
-                Some(id) => out.to_line(ToLine::Withdraw(id)),
+                Some(id) => out.order(ToLine::Withdraw(id)),
                 None => round.tell(false, out),
             }
         }
@@ -98,15 +90,6 @@ impl Sends {
             self.under_way.remove(place);
         }
         true
-    }
-
-    /// Nothing will be answered any more: what was asked for has ended without the line.
-    pub(super) fn lose_line(&mut self, out: &mut Outbox) {
-        for mut round in self.under_way.drain(..) {
-            let at_us = round.last.as_ref().map_or(0, |last| last.at_us);
-            round.last = Some(Outcome { at_us, heard: Vec::new(), round_trip_us: None, end: End::NoPort });
-            round.tell(false, out);
-        }
     }
 
     /// Does what is due.
@@ -135,7 +118,7 @@ impl Round {
         self.begun = self.next.take().filter(|&next| now.saturating_since(next) < every).unwrap_or(now);
         let id = out.number();
         self.asked = Some(id);
-        out.to_line(ToLine::Send {
+        out.order(ToLine::Send {
             id,
             origin: Origin::Console,
             bytes: self.sending.bytes.clone(),
@@ -171,7 +154,7 @@ impl Round {
                 let heard = matches!(outcome.end, End::Answered | End::Heard).then_some(&outcome.heard);
                 heard.is_some_and(|heard| self.first_heard.get_or_insert_with(|| heard.clone()) != heard)
             }
-            Until::Heard(_) => self.pattern.as_ref().is_some_and(|pattern| pattern.matches(&outcome.heard)),
+            Until::Heard(_) => true,
         };
         !met && repeat.times.is_none_or(|times| self.times < times)
     }
@@ -179,7 +162,7 @@ impl Round {
     fn tell(&mut self, more: bool, out: &mut Outbox) {
         self.untold = false;
         if let Some(outcome) = self.last.clone() {
-            out.to_window(FromConsole::Sent { id: self.sending.id, times: self.times, more, outcome });
+            out.tell(FromConsole::Sent { id: self.sending.id, times: self.times, more, outcome });
         }
     }
 
@@ -192,10 +175,10 @@ impl Round {
     }
 }
 
-/// Something that cannot be sent as it was asked for.
-fn refusal(sending: &Sending) -> FromConsole {
-    let outcome = Outcome { at_us: 0, heard: Vec::new(), round_trip_us: None, end: End::Withdrawn };
-    FromConsole::Sent { id: sending.id, times: 0, more: false, outcome }
+/// Says that something will not be sent.
+pub(super) fn refuse(sending: &Sending, end: End, out: &mut Outbox) {
+    let outcome = Outcome { at_us: 0, heard: Vec::new(), round_trip_us: None, end };
+    out.tell(FromConsole::Sent { id: sending.id, times: 0, more: false, outcome });
 }
 
 /// The reply's function code has its highest bit set (application protocol, clause 7).

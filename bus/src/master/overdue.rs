@@ -42,8 +42,8 @@ impl Overdue {
         self.requests.push_back(Unanswered { unit, request, on_wire_until });
     }
 
-    pub(super) fn forget(&mut self) {
-        self.requests.clear();
+    pub(super) fn is_empty(&self) -> bool {
+        self.requests.is_empty()
     }
 
     /// A unit answers in order: after a reply that is surely to a newer request, nothing older is to come from it.

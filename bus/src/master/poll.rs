@@ -27,9 +27,14 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// `None` for a poll without requests.
+    /// `None` for a poll without requests or without time between two rounds.
     pub(super) fn new(now: Instant, poll: Poll) -> Option<Self> {
-        (!poll.requests.is_empty()).then_some(Self { poll, next: 0, due: now, round_started: now })
+        (!poll.requests.is_empty() && !poll.period.is_zero()).then_some(Self {
+            poll,
+            next: 0,
+            due: now,
+            round_started: now,
+        })
     }
 
     pub(super) fn restart(&mut self, now: Instant) {
@@ -58,5 +63,14 @@ impl Schedule {
             self.due = if next_round < now { now } else { next_round };
         }
         (index, self.poll.requests[index].clone())
+    }
+
+    /// The place of a request that was made anyway, searched for from the one that is next.
+    pub(super) fn recognise(&mut self, unit: UnitId, request: &Request) -> Option<usize> {
+        let count = self.poll.requests.len();
+        let mut places = (self.next..count).chain(0..self.next).filter(|_| unit == self.poll.unit);
+        let index = places.find(|&at| self.poll.requests.get(at) == Some(request))?;
+        self.next = (index + 1) % count;
+        Some(index)
     }
 }

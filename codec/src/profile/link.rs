@@ -1,5 +1,7 @@
 //! How a device is reached, and how after a write that changes just that.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Effect, Point, Profile};
 use crate::UnitId;
 use crate::line::{DataBits, LineSettings, Mode, Parity, StopBits};
@@ -17,7 +19,7 @@ pub struct Link {
 }
 
 /// A setting of the line that a code stands for. A baud rate is the code's number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Setting {
     /// Parity bit.
     Parity(Parity),

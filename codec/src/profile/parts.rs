@@ -3,12 +3,14 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::Point;
 use crate::line::{Mode, Parity, StopBits};
 use crate::pdu::{MAX_READ_QUANTITY, Request};
 
 /// A text in both languages.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Texts {
     /// English.
     pub en: String,
@@ -17,7 +19,7 @@ pub struct Texts {
 }
 
 /// First and last of something, both included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Range {
     /// The smallest.
     pub first: u16,
@@ -33,7 +35,7 @@ impl Range {
 }
 
 /// Electrical levels of the line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
     /// Two wires, half duplex, many devices.
     #[default]
@@ -43,7 +45,7 @@ pub enum Interface {
 }
 
 /// What the line of a device can be set to. An empty list means that only the factory's setting is known.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Choices {
     /// Bits per second (Bd).
     pub bauds: Vec<u32>,
@@ -56,7 +58,7 @@ pub struct Choices {
 }
 
 /// Times and endurance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Timing {
     /// Deaf after power-on and after a restart.
     pub startup_silence_ms: u32,
@@ -75,7 +77,7 @@ pub struct Timing {
 }
 
 /// One wire of its cable.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Wire {
     /// Colour as a CSS colour name.
     pub color: String,
@@ -90,7 +92,7 @@ pub struct Wire {
 }
 
 /// Registers that are read together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Group {
     /// 3 for holding registers, 4 for input registers.
     pub function: u8,
@@ -124,7 +126,7 @@ impl Group {
 }
 
 /// Registers and the value that they hold.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Example {
     /// The point's id.
     pub point: String,
@@ -137,7 +139,7 @@ pub struct Example {
 }
 
 /// A mistake of the device's manual.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Erratum {
     /// The frame as printed, empty where no frame is wrong.
     pub printed: Vec<u8>,

@@ -3,12 +3,14 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Group, Setting, Texts};
 use crate::pdu::Request;
 use crate::value::{Decimal, Encoding, Value};
 
 /// One datum or command of a device.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Name for programs.
     pub id: String,
@@ -49,7 +51,7 @@ pub struct Point {
 }
 
 /// What a point is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Role {
     /// What the device is for.
     Measurement,
@@ -60,7 +62,7 @@ pub enum Role {
 }
 
 /// What a write can cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Danger {
     /// Nothing that another write would not undo.
     #[default]
@@ -72,7 +74,7 @@ pub enum Danger {
 }
 
 /// What a write does to the link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effect {
     /// The unit id changes to the written number.
     Unit,
@@ -95,7 +97,7 @@ pub enum Effect {
 }
 
 /// With which settings a write that changes the link is answered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
     /// The old or the new ones: take either.
     #[default]
@@ -107,7 +109,7 @@ pub enum Reply {
 }
 
 /// Least and most of a value, both included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
     /// The least.
     pub first: Decimal,
@@ -126,7 +128,7 @@ impl Limits {
 }
 
 /// A code with its meaning: a number, a name, or both.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Code {
     /// As in the register.
     pub code: u16,

@@ -4,10 +4,12 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decimal, Text, Value, ValueError};
 
 /// In which order the bytes of a value come, written as the field does: `A` is the highest byte.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Order {
     /// High register first, high byte first.
     #[default]
@@ -66,7 +68,7 @@ impl Order {
 }
 
 /// How many registers a number takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Width {
     /// 16 bits.
     One,
@@ -98,7 +100,7 @@ impl Width {
 
 /// How registers hold a value. `decimals` is the number of digits behind the point; a negative number counts tens:
 /// -2 reads a register of 12 as 1200.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Encoding {
     /// Unsigned, or two's complement. An unsigned value above 2^63 - 1 is out of range.
     Integer {
