@@ -44,9 +44,9 @@ pub(crate) fn find(id: &str) -> &'static Device {
     all().iter().find(|device| device.id() == id).unwrap_or_else(first)
 }
 
-/// The device whose profile's file has this text.
-pub(crate) fn of_source(text: &str) -> Option<&'static Device> {
-    all().iter().find(|device| device.source() == text)
+/// The device whose packed profile this is.
+pub(crate) fn of_packed(packed: &[u8]) -> Option<&'static Device> {
+    all().iter().find(|device| device.packed == packed)
 }
 
 impl Device {

@@ -44,7 +44,7 @@ pub(crate) fn follow(app: &'static App) {
     });
     react(move || {
         let used = app.connection.get().filter(|_| app.phase.get().is_connected());
-        let device = used.and_then(|used| Some((device::of_source(&used.profile)?.id().to_owned(), used.unit.0)));
+        let device = used.and_then(|used| Some((device::of_packed(&used.profile)?.id().to_owned(), used.unit.0)));
         if app.workbench.get() == Loading::There {
             send(&ToWorkbench::Device(device), &JsValue::UNDEFINED);
         }

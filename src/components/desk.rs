@@ -20,7 +20,7 @@ use crate::reactive::prelude::*;
 use crate::storage::kept;
 use pages::{PAGE, Pages};
 
-pub(crate) use frames::{Opened, frame_list};
+pub(crate) use frames::{Opened, event, frame_list};
 pub(crate) use stamps::{Bytes, Times};
 
 /// The profile that is found out.
@@ -95,12 +95,14 @@ pub(crate) struct Clock {
 }
 
 /// Closer looks that are collected for the clipboard.
-#[derive(Clone)]
 struct Collecting {
     wanted: Vec<u32>,
     found: Vec<(u32, String)>,
-    done: fn(String),
+    done: Done,
 }
+
+/// What is done with what was collected.
+type Done = Box<dyn FnOnce(&str) + Send + Sync>;
 
 impl Desk {
     /// An empty list; `profile` is what is remembered under this key, else `choice`.
@@ -243,7 +245,7 @@ impl Desk {
     }
 
     /// Has these entries told as JSON, a line each, and hands the text to `done`.
-    pub(crate) fn collect_json(&self, wanted: Vec<u32>, done: fn(String)) {
+    pub(crate) fn collect_json(&self, wanted: Vec<u32>, done: Done) {
         for index in &wanted {
             self.analyst.send(&ToAnalyst::Look { index: *index, shown: String::new() });
         }
@@ -335,7 +337,7 @@ impl Desk {
         if let Some(mut collected) = collected.flatten() {
             collected.found.sort_by_key(|(index, _)| *index);
             let lines: Vec<String> = collected.found.into_iter().map(|(_, json)| json).collect();
-            (collected.done)(lines.join("\n"));
+            (collected.done)(&lines.join("\n"));
         }
         let chosen = self.with_row(self.chosen.get_untracked(), |row| row.index);
         if !self.is_live() || chosen == Some(look.index) {

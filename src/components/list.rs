@@ -88,7 +88,6 @@ pub(crate) fn list(app: &'static Workbench, class: &str, label: Label, head: El,
         });
     let frame = if source.growing.is_some() { frame.attr("aria-multiselectable", "true") } else { frame };
     let painter = Rc::new(Painter {
-        app,
         frame: frame.handle(),
         canvas: canvas.handle(),
         gone: Cell::new(source.gone.get_untracked()),
@@ -157,7 +156,6 @@ impl Drawn {
 }
 
 struct Painter {
-    app: &'static Workbench,
     frame: dom::Handle,
     canvas: dom::Handle,
     /// [`Source::gone`] as it was drawn.

@@ -60,6 +60,7 @@ texts! {
     clear_question => "Empty the log? Nothing brings it back; save it first if you may need it." | "要清空日志吗？清空后无法恢复，如有需要请先保存。";
     save_session_first => "Save as a session" | "保存为会话文件";
     clear_now => "Empty the log" | "清空日志";
+    copied_rows(count: &str) => "rows copied: {count}" | "已复制 {count} 行";
     copy_text => "Text" | "文本";
     open_log => "Open a log…" | "打开日志…";
     export_text => "Text" | "文本";

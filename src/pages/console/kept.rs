@@ -1,6 +1,5 @@
 //! Lines that are kept under names, in folders; and those that the chosen profile brings.
 
-use buslens_codec::line::Mode;
 use buslens_codec::profile::{Danger, Point, Profile, Role};
 use buslens_codec::{UnitId, adu};
 use wasm_bindgen::JsCast;
@@ -331,6 +330,8 @@ fn write(point: &Point) -> Option<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
+    use buslens_codec::line::Mode;
+
     use super::*;
 
     #[test]

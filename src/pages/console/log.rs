@@ -112,6 +112,13 @@ fn header(app: &'static Workbench) -> El {
         let rate = console.rate.get();
         if rate == 0 { String::new() } else { app.language.get().frames_per_second(&format::count(rate.into())) }
     };
+    dom::react(move || {
+        desk.chosen.track();
+        console.copied.set(None);
+    });
+    let copied = move || {
+        console.copied.get().map(|rows| app.language.get().copied_rows(&format::count(rows as u64))).unwrap_or_default()
+    };
     let pause = bare("small toggle", "pause")
         .state("aria-pressed", move || console.paused.get())
         .live_one(move || Some(icon(if console.paused.get() { Icon::Play } else { Icon::Pause })))
@@ -141,6 +148,7 @@ fn header(app: &'static Workbench) -> El {
         .child(el("h2").test("log-title").live_text(title))
         .child(el("span").class("muted").test("frame-count").live_text(move || counts_text(app, desk)))
         .child(el("span").class("muted rate").test("log-rate").live_text(rate))
+        .child(el("span").class("muted copied").attr("role", "status").test("copied").live_text(copied))
         .child(el("span").class("space"))
         .child(el("div").class("log-tools").children([
             pause,
@@ -280,13 +288,16 @@ pub(super) fn copy(app: &'static Workbench, what: Copied) {
     if rows.is_empty() {
         return;
     }
+    let (count, copied) = (rows.len(), app.console.copied);
+    let told = move |well: bool| copied.set(well.then_some(count));
     let lines = |line: &dyn Fn(&Row) -> String| rows.iter().map(line).collect::<Vec<_>>().join("\n");
     match what {
-        Copied::Hex => clipboard::write(&lines(&|row| hex_spaced(&row.bytes)), |_| ()),
-        Copied::Text => clipboard::write(&lines(&|row| text_line(app, row)), |_| ()),
-        Copied::Json => desk.collect_json(rows.iter().map(|row| row.index).collect(), |text| {
-            clipboard::write(&text, |_| ());
-        }),
+        Copied::Hex => clipboard::write(&lines(&|row| hex_spaced(&row.bytes)), told),
+        Copied::Text => clipboard::write(&lines(&|row| text_line(app, row)), told),
+        Copied::Json => {
+            let wanted = rows.iter().map(|row| row.index).collect();
+            desk.collect_json(wanted, Box::new(move |text| clipboard::write(text, told)));
+        }
     }
 }
 

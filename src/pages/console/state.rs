@@ -64,8 +64,8 @@ pub(crate) struct Console {
     pub(super) builder_open: RwSignal<bool>,
     /// The entry whose comment is being written.
     pub(super) marking: RwSignal<Option<u32>>,
-    /// What was copied last, to be said for a moment.
-    pub(super) copied: RwSignal<u32>,
+    /// How many rows were copied, until another one is chosen.
+    pub(super) copied: RwSignal<Option<usize>>,
     /// Entries a second, as the last second was.
     pub(super) rate: RwSignal<u32>,
     started: StoredValue<bool>,
@@ -97,7 +97,7 @@ impl Console {
             keys_open: RwSignal::new(false),
             builder_open: RwSignal::new(false),
             marking: RwSignal::new(None),
-            copied: RwSignal::new(0),
+            copied: RwSignal::new(None),
             rate: RwSignal::new(0),
             started: StoredValue::new(false),
         }
@@ -251,6 +251,9 @@ impl Console {
     fn take_clock(&self, start_us: Option<u64>, epoch_us: Option<u64>) {
         let zero_us = epoch_us.map_or(0, |epoch_us| epoch_us.wrapping_add_signed(local_us(epoch_us)));
         let clock = Clock { start_us: start_us.unwrap_or(0), zero_us };
+        // Of a log that has lost its beginning, the beginning stays what it was.
+        let begun = self.desk.progress.with_untracked(|progress| progress.first > 0);
+        let clock = if begun { Clock { start_us: self.desk.clock.get_value().start_us, ..clock } } else { clock };
         if self.desk.clock.get_value() != clock {
             self.desk.clock.set_value(clock);
             self.desk.turn.update(|turn| *turn = turn.wrapping_add(1));
