@@ -176,7 +176,7 @@ impl Desk {
 
     /// Counts and sifts up to `limit` entries of a text that has ended; whether there is more to do.
     pub fn work(&mut self, limit: usize) -> bool {
-        let entries = self.transcript.entries().len();
+        let entries = self.transcript.end();
         if !self.finished {
             return false;
         }
@@ -206,7 +206,7 @@ impl Desk {
             finished: self.finished,
             cancelled: self.cancelled,
             first: 0,
-            entries: place(self.transcript.entries().len()),
+            entries: place(self.transcript.end()),
             shown: place(self.shown()),
             edition: self.edition,
             form: self.reader.as_ref().map(Reader::form),
@@ -223,8 +223,7 @@ impl Desk {
 
     /// The counts of a text that has ended; `None` while they are being made.
     pub fn statistics(&self) -> Option<Statistics> {
-        (self.finished && self.surveyed == self.transcript.entries().len())
-            .then(|| self.counting.statistics(self.reading))
+        (self.finished && self.surveyed == self.transcript.end()).then(|| self.counting.statistics(self.reading))
     }
 
     /// Some of the list as it is filtered.
@@ -295,10 +294,10 @@ impl Desk {
     }
 
     fn survey(&mut self, index: usize) {
-        let Some(entry) = self.transcript.entries().get(index) else { return };
+        let Some(entry) = self.transcript.entry(index) else { return };
         let bytes = self.transcript.entry_bytes(index);
-        let Some((unit, pdu)) = parts(entry, bytes) else {
-            return self.counting.count(entry, None, &[]);
+        let Some((unit, pdu)) = parts(&entry, bytes) else {
+            return self.counting.count(&entry, None, &[]);
         };
         let shape = if entry.direction == Direction::Response { Shape::Response } else { Shape::Request };
         let outline = Outline::of_pdu(unit, &pdu, shape);
@@ -310,9 +309,9 @@ impl Desk {
                 self.scales.hear(&self.tellers, place(index), unit.0, outline.function, address, &registers);
             }
         }
-        let diagnoses = self.diagnoses_of(index, entry);
+        let diagnoses = self.diagnoses_of(index, &entry);
         self.counting.count(
-            entry,
+            &entry,
             outline.map(|outline| (unit.0, outline.function, outline.exception.is_some())),
             &diagnoses,
         );
@@ -329,25 +328,25 @@ impl Desk {
     }
 
     fn address_of(&self, index: usize) -> Option<u16> {
-        let entry = self.transcript.entries().get(index)?;
-        let (unit, pdu) = parts(entry, self.transcript.entry_bytes(index))?;
+        let entry = self.transcript.entry(index)?;
+        let (unit, pdu) = parts(&entry, self.transcript.entry_bytes(index))?;
         Outline::of_pdu(unit, &pdu, Shape::Request)?.address
     }
 
     fn shown(&self) -> usize {
-        if self.sieve.is_some() { self.shown.len() } else { self.transcript.entries().len() }
+        if self.sieve.is_some() { self.shown.len() } else { self.transcript.end() }
     }
 
     fn shown_at(&self, at: usize) -> Option<usize> {
         if self.sieve.is_some() {
             self.shown.get(at).map(|index| *index as usize)
         } else {
-            (at < self.transcript.entries().len()).then_some(at)
+            (at < self.transcript.end()).then_some(at)
         }
     }
 
     fn row(&self, index: usize) -> Option<Row> {
-        let entry = self.transcript.entries().get(index)?;
+        let entry = self.transcript.entry(index)?;
         let bytes = self.transcript.entry_bytes(index);
         let unit = self.transcript.header(index).map(|(unit, _)| unit);
         let told = unit.map(|unit| self.scales.known_before(place(index), unit.0)).unwrap_or_default();
@@ -355,8 +354,8 @@ impl Desk {
         let reading = self.transcript.reading(index, self.profile.as_ref(), &mut known);
         let request = entry.pair.filter(|_| entry.direction == Direction::Response);
         let request = request.and_then(|pair| {
-            let asked = self.transcript.entries().get(pair as usize)?;
-            parts(asked, self.transcript.entry_bytes(pair as usize))
+            let asked = self.transcript.entry(pair as usize)?;
+            parts(&asked, self.transcript.entry_bytes(pair as usize))
         });
         Some(Row {
             index: place(index),

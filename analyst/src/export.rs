@@ -32,7 +32,7 @@ pub(crate) fn write(
         Format::JsonLines => {
             // Values are scaled by what came before, so that every entry is gone through.
             let mut lines = Lines::new(transcript, profile);
-            for index in 0..transcript.entries().len() {
+            for index in 0..transcript.end() {
                 let before = text.len();
                 lines.write_next(&mut text);
                 if shown.next_if_eq(&index).is_none() {
@@ -50,7 +50,7 @@ pub(crate) fn write(
         }
         Format::Hex | Format::Text | Format::Pcap | Format::Session => {
             for index in shown {
-                let Some(entry) = transcript.entries().get(index) else { break };
+                let Some(entry) = transcript.entry(index) else { break };
                 text.push_str(match (entry.kind, entry.direction) {
                     (EntryKind::Frame, Direction::Request) => "TX: ",
                     (EntryKind::Frame, Direction::Response) => "RX: ",
@@ -67,9 +67,9 @@ pub(crate) fn write(
 
 /// A row of a table (RFC 4180). No cell can hold a comma or a quote.
 fn csv_row(transcript: &Transcript, index: usize, out: &mut String) {
-    let Some(entry) = transcript.entries().get(index) else { return };
+    let Some(entry) = transcript.entry(index) else { return };
     let bytes = transcript.entry_bytes(index);
-    let frame = parts(entry, bytes);
+    let frame = parts(&entry, bytes);
     let is_frame = entry.kind == EntryKind::Frame;
     let direction = match entry.direction {
         Direction::Request => "request",

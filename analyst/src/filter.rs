@@ -50,13 +50,13 @@ impl Sieve {
         index: usize,
         one_sided: bool,
     ) -> bool {
-        let Some(entry) = transcript.entries().get(index) else { return false };
+        let Some(entry) = transcript.entry(index) else { return false };
         let bytes = transcript.entry_bytes(index);
         if self.direction.is_some_and(|wanted| wanted != entry.direction) {
             return false;
         }
         if self.unit.is_some() || self.function.is_some() {
-            let Some((unit, pdu)) = parts(entry, bytes) else { return false };
+            let Some((unit, pdu)) = parts(&entry, bytes) else { return false };
             let function = pdu.first().map(|code| code & 0x7F);
             if self.unit.is_some_and(|wanted| wanted != unit.0)
                 || self.function.is_some_and(|wanted| Some(wanted) != function)

@@ -3,23 +3,8 @@
 //! Notes are what the console shows, what a session file keeps and what a replay plays.
 
 use buslens_codec::line::{LineSettings, Mode};
+pub use buslens_codec::segment::Origin;
 use serde::{Deserialize, Serialize};
-
-/// Who had bytes sent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Origin {
-    /// Nobody on this side, or nobody knows: a log that was brought in, another master on the line.
-    #[default]
-    Unknown,
-    /// The periodic reading of the Live page.
-    Poll,
-    /// A hand at the console.
-    Console,
-    /// A sequence.
-    Sequence,
-    /// A change of a device's settings.
-    Configuration,
-}
 
 /// Something that happened on the line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

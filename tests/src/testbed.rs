@@ -4,6 +4,7 @@ mod adapter;
 mod browser;
 mod chatter;
 mod independent;
+mod memory;
 mod pty;
 mod wire;
 
@@ -11,6 +12,7 @@ pub use adapter::{Adapter, CH340};
 pub use browser::{Browser, Look};
 pub use chatter::Chatter;
 pub use independent::{Registers, Relay};
+pub use memory::Held;
 pub use pty::Pty;
 pub use wire::{FarEnd, Wire};
 

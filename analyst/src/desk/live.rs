@@ -49,8 +49,8 @@ impl Desk {
                 _ => continue,
             };
             let mode = self.live.as_ref().and_then(|live| live.line).map_or(Mode::Rtu, |(_, mode)| mode);
-            let start = self.transcript.bytes().len();
-            self.transcript.push(bytes, &[Segment { start, mode, direction, time_us: Some(*at_us), line: 0 }]);
+            let time_us = Some(*at_us);
+            self.transcript.append(bytes, &Segment { mode, direction, time_us, ..Segment::default() });
         }
     }
 
@@ -78,7 +78,7 @@ impl Desk {
 
     /// Holds the list still, or lets it go on: what was recorded meanwhile comes in then. The ring goes on forgetting.
     pub fn pause(&mut self, hold: bool) {
-        let entries = place(self.transcript.entries().len());
+        let entries = place(self.transcript.end());
         if let Some(live) = &mut self.live {
             live.held_from = hold.then(|| live.held_from.unwrap_or(entries));
         }
@@ -91,7 +91,7 @@ impl Desk {
             Some(comment) => drop(live.marks.insert(index, comment)),
             None => drop(live.marks.remove(&index)),
         }
-        (index as usize) < self.transcript.entries().len()
+        (index as usize) < self.transcript.end()
     }
 
     /// Unix time of the origin of the entries' clock, in microseconds, where it is known.
@@ -114,11 +114,11 @@ impl Desk {
 
     /// The next of the [`notes`](Self::notes), for who cannot hold an iterator. A new cursor stands at the beginning.
     pub fn next_note(&self, cursor: &mut Cursor) -> Option<Note> {
-        let entry = self.transcript.entries().get(cursor.entry as usize)?;
+        let entry = self.transcript.entry(cursor.entry as usize)?;
         let bytes = self.transcript.entry_bytes(cursor.entry as usize).to_vec();
         cursor.entry += 1;
         let what = match entry.direction {
-            Direction::Request => What::Sent { origin: Default::default(), bytes },
+            Direction::Request => What::Sent { origin: entry.origin, bytes },
             _ => What::Received(bytes),
         };
         Some(Note { at_us: entry.time_us.unwrap_or(0), what })

@@ -68,7 +68,7 @@ impl Output {
         self.open = ascii && bytes.last().is_some_and(|byte| byte & 0x7F != b'\n');
         let mode = if ascii { Mode::Ascii } else { Mode::Rtu };
         let (start, line) = (self.taken + start, u32::try_from(line).unwrap_or(u32::MAX));
-        self.segments.push(Segment { start, mode, direction, time_us, line });
+        self.segments.push(Segment { start, mode, direction, time_us, line, ..Segment::default() });
         mode
     }
 

@@ -26,7 +26,7 @@ impl Transcript {
     }
 
     fn score(&self, profile: &Profile, check_ok: bool) -> u32 {
-        let wanted = self.entries.iter().enumerate();
+        let wanted = (self.first()..).zip(self.entries());
         let wanted =
             wanted.filter(|(_, entry)| entry.kind == EntryKind::Frame && entry.check_ok == check_ok && !entry.echo);
         let mut sum = 0u32;
