@@ -126,7 +126,8 @@ impl Line {
                 same.then(|| [&[adu.unit.0], adu.pdu.as_slice()].concat())
             }
         };
-        let hex = |framing, check, bytes: &[u8]| Self { writing: Writing::Hex, framing, check, text: hex_spaced(bytes) };
+        let hex =
+            |framing, check, bytes: &[u8]| Self { writing: Writing::Hex, framing, check, text: hex_spaced(bytes) };
         if let Some(body) = body(Mode::Ascii) {
             hex(Framing::Ascii, Check::Lrc, &body)
         } else if let Some(body) = body(Mode::Rtu) {
@@ -158,14 +159,10 @@ impl Line {
 
 /// Bytes with what belongs around them.
 fn framed(body: &[u8], framing: Framing, check: Check) -> Outgoing {
-    let crc = || crc16(body).to_le_bytes().to_vec();
-    let sum = || vec![lrc(body)];
     let check_bytes = match (framing, check) {
         (Framing::Typed, _) | (_, Check::None) => Vec::new(),
-        (_, Check::Crc) => crc(),
-        (_, Check::Lrc) => sum(),
-        (Framing::Rtu, Check::Wrong) => crc(),
-        (Framing::Ascii, Check::Wrong) => sum(),
+        (_, Check::Crc) | (Framing::Rtu, Check::Wrong) => crc16(body).to_le_bytes().to_vec(),
+        (_, Check::Lrc) | (Framing::Ascii, Check::Wrong) => vec![lrc(body)],
     };
     let is_wrong = check == Check::Wrong && framing != Framing::Typed;
     // The bits of every byte turned over are certainly others.

@@ -290,7 +290,9 @@ pub(crate) fn is_shifted(event: &Event) -> bool {
 
 /// Whether control or the command key was held.
 pub(crate) fn is_commanded(event: &Event) -> bool {
-    ["ctrlKey", "metaKey", "altKey"].iter().any(|key| Reflect::get(event, &(*key).into()).is_ok_and(|held| held.is_truthy()))
+    ["ctrlKey", "metaKey", "altKey"]
+        .iter()
+        .any(|key| Reflect::get(event, &(*key).into()).is_ok_and(|held| held.is_truthy()))
 }
 
 /// Whether an event came from something that is typed into or chosen from.

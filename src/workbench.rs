@@ -14,9 +14,7 @@ use crate::analyst::Analyst;
 use crate::crash;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
-use crate::pages::{
-    Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console,
-};
+use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -69,21 +67,6 @@ impl Workbench {
         }
     }
 
-    /// Joins the console's worker to the engine by a channel of their own.
-    pub(crate) fn attach_console(&self) {
-        let Ok(channel) = MessageChannel::new() else { return };
-        let (Ok(wish), engine) = (postcard::to_allocvec(&ToEngine::Attach), ENGINE.with_borrow(Clone::clone)) else {
-            return;
-        };
-        let port = channel.port1();
-        let parts = Array::of2(&Uint8Array::from(wish.as_slice()), &port);
-        if let Some(engine) = engine {
-            // Bytes and ends of channels can always be posted.
-            let _ = engine.post_message_with_transfer(&parts, &Array::of1(&port));
-        }
-        Analyst::Console.send_port(&ToAnalyst::Console(ToConsole::Attach), &channel.port2());
-    }
-
     /// Starts the analyst's worker, if it has not been.
     pub(crate) fn start_analyst(&'static self) {
         Analyst::Decoder.start(move |message, beside| match message {
@@ -91,6 +74,21 @@ impl Workbench {
             message => self.decoder.hear(message, &beside),
         });
     }
+}
+
+/// Joins the console's worker to the engine by a channel of their own.
+pub(crate) fn attach_console() {
+    let Ok(channel) = MessageChannel::new() else { return };
+    let (Ok(wish), engine) = (postcard::to_allocvec(&ToEngine::Attach), ENGINE.with_borrow(Clone::clone)) else {
+        return;
+    };
+    let port = channel.port1();
+    let parts = Array::of2(&Uint8Array::from(wish.as_slice()), &port);
+    if let Some(engine) = engine {
+        // Bytes and ends of channels can always be posted.
+        let _ = engine.post_message_with_transfer(&parts, &Array::of1(&port));
+    }
+    Analyst::Console.send_port(&ToAnalyst::Console(ToConsole::Attach), &channel.port2());
 }
 
 /// The state, and the boxes without a box of their own that stand in the first program's places.

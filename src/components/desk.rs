@@ -307,7 +307,8 @@ impl Desk {
 
     fn advance(&self, progress: Progress) {
         let edition = progress.edition;
-        let (shown, first, entries) = self.progress.with_untracked(|before| (before.shown, before.first, before.entries));
+        let (shown, first, entries) =
+            self.progress.with_untracked(|before| (before.shown, before.first, before.entries));
         let whole = |entries: u32, shown: u32| entries == shown;
         let gone = progress.first.saturating_sub(first);
         if gone > 0 && whole(entries, shown) && whole(progress.entries, progress.shown) {

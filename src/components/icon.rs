@@ -15,6 +15,10 @@ pub(crate) enum Icon {
     Console,
     /// A star: a mark.
     Mark,
+    /// A pencil: words.
+    Comment,
+    /// An arrow to a line: the newest.
+    Follow,
     /// Two bars: hold.
     Pause,
     /// A triangle: go on.
@@ -51,6 +55,8 @@ impl Icon {
             Self::Builder => "M2 7h4v5H2zM6 7h5v5H6zM13.5 9.5h4M15.5 7.5v4",
             Self::Console => "M2 3.5h14v11H2zM5 7l2.4 2L5 11M9 11.5h4",
             Self::Mark => "M9 2.2l2 4.4 4.8.5-3.6 3.2 1 4.7L9 12.6 4.8 15l1-4.7L2.2 7.1 7 6.6z",
+            Self::Comment => "M3 15l.8-3.4L12.2 3.2l2.6 2.6-8.4 8.4zM10.6 4.8l2.6 2.6",
+            Self::Follow => "M9 2.5v8.5M5 7.5l4 4 4-4M3.5 15h11",
             Self::Pause => "M6 4v10M12 4v10",
             Self::Play => "M5.5 3.5l9 5.5-9 5.5z",
             Self::Stop => "M4.5 4.5h9v9h-9z",

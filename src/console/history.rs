@@ -30,9 +30,9 @@ impl History {
     }
 
     /// A line was sent: it is the newest now, and stands only there.
-    pub(crate) fn push(&mut self, line: Line) {
+    pub(crate) fn push(&mut self, mut line: Line) {
         // A line holds no line end: the field has none.
-        let line = Line { text: line.text.replace(['\r', '\n'], " "), ..line };
+        line.text = line.text.replace(['\r', '\n'], " ");
         self.lines.retain(|known| *known != line);
         if self.lines.len() >= MOST {
             self.lines.remove(0);
@@ -110,7 +110,10 @@ mod tests {
         let texts: Vec<String> = (0..MOST + 50).map(|number| format!("{number:04}")).collect();
         let mut history = history(&texts.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(history.lines.len(), MOST);
-        assert_eq!(History::from_kept(&history.kept()), History { at: None, draft: Line::default(), ..history.clone() });
+        assert_eq!(
+            History::from_kept(&history.kept()),
+            History { at: None, draft: Line::default(), ..history.clone() }
+        );
         assert_eq!(history.older(&line("")), Some(line("0249")));
         assert_eq!(History::from_kept("nonsense\n\nhex rtu crc 01").lines, [line("01")]);
     }

@@ -77,9 +77,8 @@ pub(crate) fn read(text: &str) -> Result<Vec<Snippet>, Fault> {
     if text.len() > LONGEST_FILE {
         return Err(Fault::TooMany);
     }
-    let json = RawJson::parse(text).map_err(|error| {
-        Fault::NoJson(text.get(..error.position()).unwrap_or(text).matches('\n').count() + 1)
-    })?;
+    let json = RawJson::parse(text)
+        .map_err(|error| Fault::NoJson(text.get(..error.position()).unwrap_or(text).matches('\n').count() + 1))?;
     let root = json.value();
     let is_ours = member(root, "format").and_then(|format| format.to_unquoted_string_str().ok());
     if is_ours.as_deref() != Some(FORMAT) || member(root, "version").is_none_or(|version| version.as_raw_str() != "1") {
@@ -152,7 +151,11 @@ fn push_string(out: &mut String, text: &str) {
     for character in text.chars() {
         match character {
             '"' | '\\' => out.extend(['\\', character]),
-            _ if character.is_control() => out.push_str(&format!("\\u{:04X}", u32::from(character))),
+            // No control character takes more than two digits.
+            _ if character.is_control() => {
+                out.push_str("\\u00");
+                crate::format::push_hex(out, &[u8::try_from(u32::from(character)).unwrap_or_default()]);
+            }
             _ => out.push(character),
         }
     }
@@ -165,8 +168,7 @@ mod tests {
     use crate::console::{Check, Framing, Writing};
 
     fn snippet(folder: &str, name: &str, text: &str) -> Snippet {
-        let line =
-            Line { writing: Writing::Text, framing: Framing::Ascii, check: Check::Wrong, text: text.to_owned() };
+        let line = Line { writing: Writing::Text, framing: Framing::Ascii, check: Check::Wrong, text: text.to_owned() };
         Snippet { folder: folder.to_owned(), name: name.to_owned(), line }
     }
 
@@ -211,7 +213,10 @@ mod tests {
     fn line_ends_in_names_do_not_get_far() {
         let text = write(&[snippet("a\nb", " c\u{7}d ", "01\n02")]);
         let back = read(&text).unwrap();
-        assert_eq!((back[0].folder.as_str(), back[0].name.as_str(), back[0].line.text.as_str()), ("a b", "c d", "01 02"));
+        assert_eq!(
+            (back[0].folder.as_str(), back[0].name.as_str(), back[0].line.text.as_str()),
+            ("a b", "c d", "01 02")
+        );
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(crate) use state::Console;
 /// The page.
 pub(crate) fn console_page(app: &'static Workbench) -> El {
     let console = &app.console;
-    console.start(app);
+    console.start();
     dom::react(move || {
         let digits = app.to_send.get();
         if !digits.is_empty() {

@@ -86,7 +86,6 @@ texts! {
     banner_replayed => "This is what the replay brought forth." | "当前显示的是回放产生的日志。";
     back_to_live => "Back to the line" | "返回线路日志";
     replaying(at: &str, total: &str) => "{at} of {total}" | "{at} / {total}";
-    speed => "Speed" | "速度";
     fastest => "as fast as it goes" | "最快";
 
     panes => "Beside the log" | "日志旁的面板";

@@ -52,9 +52,9 @@ fn card(app: &'static Workbench, desk: &'static Desk, row: &Row) -> El {
                 .text(&[place.as_str(), if place.is_empty() { "" } else { " · " }, &offset].concat()),
         )
         .child(el("span").class("space"))
-        .children(pair.map(|pair| {
-            button(app, "quiet small", "to-pair", Language::to_pair).click(move || desk.go_to(pair))
-        }))
+        .children(
+            pair.map(|pair| button(app, "quiet small", "to-pair", Language::to_pair).click(move || desk.go_to(pair))),
+        )
         .child(copy_menu(app, desk, row, &found));
     let case = Case { profile, frame: &row.bytes, mode: row.mode, dissection, request };
     let told: Vec<Told> = row.diagnoses.iter().map(|found| diagnosis::told(language, &case, found)).collect();

@@ -38,8 +38,7 @@ pub(crate) fn understood(
         .live_one(move || busy.get().then(|| progress_bar(app, desk, percent)))
         .live_one(move || cancelled.get().then(|| note(&app.language.get().stopped_at(percent.get()))))
         .live_one(move || {
-            unreadable
-                .with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words))))
+            unreadable.with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words))))
         })
         .live_one(move || match forms.get() {
             (Some(form), alternative, true) => Some(form_line(app, form, alternative, read_as)),
@@ -56,19 +55,16 @@ fn progress_bar(app: &'static Workbench, desk: &'static Desk, percent: Memo<u32>
         .attr("role", "status")
         .child(bar)
         .child(el("span").class("muted").live_text(move || app.language.get().reading_text(percent.get())))
-        .child(button(app, "small", "stop-reading", Language::stop).click(move || desk.analyst.send(&ToAnalyst::Cancel)))
+        .child(
+            button(app, "small", "stop-reading", Language::stop).click(move || desk.analyst.send(&ToAnalyst::Cancel)),
+        )
 }
 
-fn form_line(
-    app: &'static Workbench,
-    form: Form,
-    alternative: Option<Form>,
-    read_as: impl Fn(Form) + 'static,
-) -> El {
+fn form_line(app: &'static Workbench, form: Form, alternative: Option<Form>, read_as: impl Fn(Form) + 'static) -> El {
     let mut line = el("p").class("form-line muted").test("decoder-form").child(el("span").say(app, form_text(form)));
     if let Some(other) = alternative {
-        line = line
-            .child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || read_as(other)));
+        line =
+            line.child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || read_as(other)));
     }
     line
 }

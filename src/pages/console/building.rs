@@ -33,17 +33,9 @@ pub(super) fn builder_dialog(app: &'static Workbench) -> El {
                 .attr("aria-modal", "true")
                 .label(app, Language::builder_title)
                 .test("builder-dialog")
-                .child(
-                    el("header")
-                        .child(el("h2").say(app, Language::builder_title))
-                        .child(el("span").class("space"))
-                        .child(send)
-                        .child(
-                            button(app, "small", "builder-close", Language::close)
-                                .attr("id", "builder-close")
-                                .click(close),
-                        ),
-                )
+                .child(el("header").child(el("span").class("space")).child(send).child(
+                    button(app, "small", "builder-close", Language::close).attr("id", "builder-close").click(close),
+                ))
                 .children(bench.cards),
         )
 }

@@ -56,6 +56,10 @@ pub(super) struct Sent {
     pub(super) outcome: Option<Outcome>,
 }
 
+/// A field does not hold what it is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Invalid;
+
 impl Dock {
     pub(super) fn remembered() -> Self {
         let history = storage::load("console-history").unwrap_or_default();
@@ -106,9 +110,8 @@ impl Dock {
     /// The line before, or after, among those that were sent.
     pub(super) fn leaf(&self, older: bool) {
         let current = self.line();
-        let found = self.history.try_update_value(|history| {
-            if older { history.older(&current) } else { history.newer() }
-        });
+        let found =
+            self.history.try_update_value(|history| if older { history.older(&current) } else { history.newer() });
         if let Some(line) = found.flatten() {
             self.put(line);
         }
@@ -128,10 +131,10 @@ impl Dock {
         }
     }
 
-    /// How often the line is sent: `None` for a field that is not valid, `Some(None)` for once.
-    pub(super) fn repetition(&self) -> Option<Option<Repeat>> {
+    /// How often the line is sent; `None` for once.
+    pub(super) fn repetition(&self) -> Result<Option<Repeat>, Invalid> {
         if self.repeat.with(String::is_empty) {
-            return Some(None);
+            return Ok(None);
         }
         let (every_ms, times) = (self.every_ms()?, self.count()?);
         let until = self.until.with(|key| match key.as_str() {
@@ -141,32 +144,32 @@ impl Dock {
             "heard" => Until::Heard(self.pattern.get()),
             _ => Until::Never,
         });
-        Some(Some(Repeat { every_ms, times, until }))
+        Ok(Some(Repeat { every_ms, times, until }))
     }
 
     /// The time between two beginnings, if it is one.
-    pub(super) fn every_ms(&self) -> Option<u32> {
+    pub(super) fn every_ms(&self) -> Result<u32, Invalid> {
         self.every.with(|text| milliseconds(text))
     }
 
-    /// How often: `None` for a text that is no count, `Some(None)` until it is stopped.
-    pub(super) fn count(&self) -> Option<Option<u32>> {
+    /// How often; `None` until it is stopped.
+    pub(super) fn count(&self) -> Result<Option<u32>, Invalid> {
         self.times.with(|text| match text.trim() {
-            "" => Some(None),
-            text => text.parse().ok().filter(|times| *times > 0).map(Some),
+            "" => Ok(None),
+            text => text.parse().ok().filter(|times| *times > 0).map(Some).ok_or(Invalid),
         })
     }
 
-    /// How long an answer is waited for: `None` for a text that is no time, `Some(None)` as the master does.
-    pub(super) fn wait_ms(&self) -> Option<Option<u32>> {
-        self.wait.with(|text| if text.trim().is_empty() { Some(None) } else { milliseconds(text).map(Some) })
+    /// How long an answer is waited for; `None` as long as the master does.
+    pub(super) fn wait_ms(&self) -> Result<Option<u32>, Invalid> {
+        self.wait.with(|text| if text.trim().is_empty() { Ok(None) } else { milliseconds(text).map(Some) })
     }
 
     /// Sends what is typed. Nothing that has a fault is sent.
     pub(super) fn send(&self, console: &Console) {
         let line = self.line();
         let Ok(outgoing) = line.outgoing() else { return };
-        let (Some(repeat), Some(wait_ms)) = (self.repetition(), self.wait_ms()) else { return };
+        let (Ok(repeat), Ok(wait_ms)) = (self.repetition(), self.wait_ms()) else { return };
         if outgoing.bytes.is_empty() {
             return;
         }
@@ -180,14 +183,7 @@ impl Dock {
         self.send_bytes(console, bytes, mode, None, None);
     }
 
-    fn send_bytes(
-        &self,
-        console: &Console,
-        bytes: Vec<u8>,
-        mode: Mode,
-        repeat: Option<Repeat>,
-        wait_ms: Option<u32>,
-    ) {
+    fn send_bytes(&self, console: &Console, bytes: Vec<u8>, mode: Mode, repeat: Option<Repeat>, wait_ms: Option<u32>) {
         let id = self.sent.with_untracked(|sent| sent.as_ref().map_or(0, |sent| sent.id)).wrapping_add(1);
         self.sent.set(Some(Sent { id, bytes: bytes.clone(), mode, times: 0, more: true, outcome: None }));
         console.tell(ToConsole::Send(Sending { id, bytes, wait_ms, repeat }));
@@ -221,6 +217,6 @@ impl Sent {
 }
 
 /// A time of 1 ms to an hour.
-fn milliseconds(text: &str) -> Option<u32> {
-    text.trim().parse().ok().filter(|time| (1..=LONGEST_MS).contains(time))
+fn milliseconds(text: &str) -> Result<u32, Invalid> {
+    text.trim().parse().ok().filter(|time| (1..=LONGEST_MS).contains(time)).ok_or(Invalid)
 }

@@ -53,7 +53,14 @@ pub(super) fn snippets_pane(app: &'static Workbench) -> El {
         .test("snippets")
         .child(keep_form(app, form))
         .live_one(move || form.fault.get().map(|fault| fault_line(app.language.get(), &fault)))
-        .live_one(move || form.brought.get().map(|count| el("p").class("form-line muted").attr("role", "status").text(&app.language.get().snippets_brought(count))))
+        .live_one(move || {
+            form.brought.get().map(|count| {
+                el("p")
+                    .class("form-line muted")
+                    .attr("role", "status")
+                    .text(&app.language.get().snippets_brought(count))
+            })
+        })
         .live_one(move || form.deleted.get().map(|snippet| deleted_line(app, form, snippet)))
         .child(el("div").class("contents").live(move || {
             let renaming = form.renaming.get();
@@ -86,7 +93,8 @@ fn keep_form(app: &'static Workbench, form: Form) -> El {
         folders.iter().filter(|folder| !folder.is_empty()).map(|folder| el("option").attr("value", folder)).collect()
     });
     let ready = move || {
-        !form.name.with(|name| snippets::clean_name(name).is_empty()) && !console.dock.text.with(|text| text.trim().is_empty())
+        !form.name.with(|name| snippets::clean_name(name).is_empty())
+            && !console.dock.text.with(|text| text.trim().is_empty())
     };
     let items = vec![
         el("label").class("button quiet small").attr("for", "snippet-file").say(app, Language::snippets_import),
@@ -110,7 +118,11 @@ fn keep_form(app: &'static Workbench, form: Form) -> El {
         .child(field(NAME, Language::snippet_name, form.name))
         .child(field("snippet-folder", Language::snippet_folder, form.folder).attr("list", "snippet-folders"))
         .child(folders)
-        .child(button(app, "small", "snippet-save", Language::snippet_save).attr("type", "submit").flag("disabled", move || !ready()))
+        .child(
+            button(app, "small", "snippet-save", Language::snippet_save)
+                .attr("type", "submit")
+                .flag("disabled", move || !ready()),
+        )
         .child(file_chooser(console, form))
         .child(menu(app, "snippets-files", Language::snippets_files, items))
 }
@@ -194,7 +206,8 @@ fn own_folders(app: &'static Workbench, form: Form, all: &[Snippet], renaming: O
     folders.dedup();
     let folder = |name: &&str| {
         let title = if name.is_empty() { app.language.get().no_folder() } else { name };
-        let mut inside: Vec<(usize, &Snippet)> = all.iter().enumerate().filter(|(_, one)| one.folder == **name).collect();
+        let mut inside: Vec<(usize, &Snippet)> =
+            all.iter().enumerate().filter(|(_, one)| one.folder == **name).collect();
         inside.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
         let rows = inside.into_iter().map(|(at, snippet)| {
             if renaming == Some(at) { rename_row(app, form, at, snippet) } else { own_row(app, form, at, snippet) }
@@ -226,13 +239,20 @@ fn rename_row(app: &'static Workbench, form: Form, at: usize, snippet: &Snippet)
     let before = snippet.clone();
     let longest = LONGEST_NAME.to_string();
     let input = |id: &'static str, label, value: RwSignal<String>| {
-        el("input").attr("id", id).test(id).attr("autocomplete", "off").attr("maxlength", &longest).label(app, label).bind("input", value)
+        el("input")
+            .attr("id", id)
+            .test(id)
+            .attr("autocomplete", "off")
+            .attr("maxlength", &longest)
+            .label(app, label)
+            .bind("input", value)
     };
     el("form")
         .class("snippet-form")
         .on("submit", move |event| {
             event.prevent_default();
-            let (name, folder) = (snippets::clean_name(&name.get_untracked()), snippets::clean_name(&folder.get_untracked()));
+            let (name, folder) =
+                (snippets::clean_name(&name.get_untracked()), snippets::clean_name(&folder.get_untracked()));
             if name.is_empty() {
                 return;
             }
@@ -299,7 +319,11 @@ fn of_profile(app: &'static Workbench, language: Language, device: &'static Devi
         .class("folder")
         .attr("open", "")
         .test("snippets-of-profile")
-        .child(el("summary").child(el("span").text(device.name(language))).child(el("small").class("muted").text(&language.unit_id(unit.0))))
+        .child(
+            el("summary")
+                .child(el("span").text(device.name(language)))
+                .child(el("small").class("muted").text(&language.unit_id(unit.0))),
+        )
         .children(reads)
         .children(commands)
 }

@@ -13,19 +13,19 @@ use crate::workbench::Workbench;
 
 /// A key: as the browser names it, as the sheet shows it, what it does in words, and what it does.
 struct Key {
-    key: &'static str,
+    name: &'static str,
     shift: bool,
     shown: &'static str,
     what: Label,
     act: fn(&'static Workbench),
 }
 
-const fn key(key: &'static str, shown: &'static str, what: Label, act: fn(&'static Workbench)) -> Key {
-    Key { key, shift: false, shown, what, act }
+const fn key(name: &'static str, shown: &'static str, what: Label, act: fn(&'static Workbench)) -> Key {
+    Key { name, shift: false, shown, what, act }
 }
 
-const fn shifted(key: &'static str, shown: &'static str, what: Label, act: fn(&'static Workbench)) -> Key {
-    Key { key, shift: true, shown, what, act }
+const fn shifted(name: &'static str, shown: &'static str, what: Label, act: fn(&'static Workbench)) -> Key {
+    Key { name, shift: true, shown, what, act }
 }
 
 /// The keys that work wherever nothing is typed.
@@ -55,13 +55,7 @@ const KEYS: [Key; 19] = [
     key("c", "C", Language::key_copy_hex, |app| copy(app, Copied::Hex)),
     key("t", "T", Language::key_copy_text, |app| copy(app, Copied::Text)),
     key("j", "J", Language::key_copy_json, |app| copy(app, Copied::Json)),
-    key("r", "R", Language::key_replay, |app| {
-        let console = &app.console;
-        let full = console.desk.progress.with_untracked(|progress| progress.entries > 0 && progress.finished);
-        if full && !console.replay.with_untracked(|replay| replay.playing) {
-            console.play();
-        }
-    }),
+    key("r", "R", Language::key_replay, |app| app.console.play()),
     key("b", "B", Language::key_build, |app| app.console.builder_open.set(true)),
     key("1", "1", Language::pane_frame, |app| open_pane(app, 0)),
     key("2", "2", Language::statistics, |app| open_pane(app, 1)),
@@ -103,7 +97,7 @@ pub(super) fn pressed(app: &'static Workbench, event: &Event) {
             // Letters are the same with the capitals' lock on; the shift key tells the two apart.
             let shift = dom::is_shifted(event) && name != "/";
             let wanted = if shift { name.to_uppercase() } else { name.to_lowercase() };
-            let Some(found) = KEYS.iter().find(|known| known.key == wanted && known.shift == shift) else { return };
+            let Some(found) = KEYS.iter().find(|known| known.name == wanted && known.shift == shift) else { return };
             (found.act)(app);
         }
     }
@@ -133,27 +127,27 @@ fn open_pane(app: &'static Workbench, at: usize) {
 /// The sheet of keys.
 pub(super) fn sheet(app: &'static Workbench) -> El {
     let close = move || app.console.keys_open.set(false);
-    let line = |shown: &str, what: Label| {
-        el("div").child(el("kbd").text(shown)).child(el("span").say(app, what))
-    };
+    let line = |shown: &str, what: Label| el("div").child(el("kbd").text(shown)).child(el("span").say(app, what));
     let lines = OTHERS.iter().map(|(shown, what)| line(shown, *what));
     let lines = lines.chain(KEYS.iter().map(|key| line(key.shown, key.what))).chain([line("?", Language::keys)]);
     super::panes::focus_soon("keys-close");
-    el("div").class("overlay").child(bare("overlay-back", "keys-back").attr("tabindex", "-1").label(app, Language::close).click(close)).child(
-        el("section")
-            .class("card dialog keys-sheet")
-            .attr("role", "dialog")
-            .attr("aria-modal", "true")
-            .label(app, Language::keys)
-            .test("keys-sheet")
-            .child(
-                el("header")
-                    .child(el("h2").say(app, Language::keys))
-                    .child(el("span").class("space"))
-                    .child(button(app, "small", "keys-close", Language::close).attr("id", "keys-close").click(close)),
-            )
-            .child(el("div").class("keys-list").children(lines)),
-    )
+    el("div")
+        .class("overlay")
+        .child(bare("overlay-back", "keys-back").attr("tabindex", "-1").label(app, Language::close).click(close))
+        .child(
+            el("section")
+                .class("card dialog keys-sheet")
+                .attr("role", "dialog")
+                .attr("aria-modal", "true")
+                .label(app, Language::keys)
+                .test("keys-sheet")
+                .child(
+                    el("header").child(el("h2").say(app, Language::keys)).child(el("span").class("space")).child(
+                        button(app, "small", "keys-close", Language::close).attr("id", "keys-close").click(close),
+                    ),
+                )
+                .child(el("div").class("keys-list").children(lines)),
+        )
 }
 
 #[cfg(test)]
@@ -163,8 +157,12 @@ mod tests {
     #[test]
     fn no_key_stands_for_two_things() {
         for (at, one) in KEYS.iter().enumerate() {
-            assert!(KEYS[at + 1..].iter().all(|other| (other.key, other.shift) != (one.key, one.shift)), "{}", one.key);
-            assert_eq!(one.key, if one.shift { one.key.to_uppercase() } else { one.key.to_lowercase() });
+            assert!(
+                KEYS[at + 1..].iter().all(|other| (other.name, other.shift) != (one.name, one.shift)),
+                "{}",
+                one.name
+            );
+            assert_eq!(one.name, if one.shift { one.name.to_uppercase() } else { one.name.to_lowercase() });
         }
     }
 }

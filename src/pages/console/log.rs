@@ -1,5 +1,6 @@
 //! The log: its tools, its list, and what is said when there is nothing in it.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use buslens_analyst::message::{Format, Row, ToConsole};
@@ -68,11 +69,9 @@ pub(super) fn log_card(app: &'static Workbench) -> El {
         )
         .child(el("div").class("contents").live_one(move || console.marking.get().map(|index| comment_bar(app, index))))
         .child(
-            el("div")
-                .class("log-list")
-                .live_class("hidden", move || !any.get())
-                .child(frame_list(app, desk))
-                .live_one(move || none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty))),
+            el("div").class("log-list").live_class("hidden", move || !any.get()).child(frame_list(app, desk)).live_one(
+                move || none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty)),
+            ),
         )
         .live_one(move || (!any.get()).then(|| empty(app)))
         .child(el("div").class("log-after").live(move || {
@@ -84,17 +83,13 @@ pub(super) fn log_card(app: &'static Workbench) -> El {
 /// Counts the entries of each second while the page is shown.
 fn count_rate(console: &'static Console) {
     let total = || console.desk.progress.with_untracked(|progress| progress.first.wrapping_add(progress.entries));
-    let mut before = total();
+    let before = Cell::new(total());
     let tick = move || {
         let now = total();
         // A log that was emptied or changed for another one begins anew.
-        console.rate.set(now.checked_sub(before).unwrap_or(0));
-        before = now;
+        console.rate.set(now.saturating_sub(before.replace(now)));
     };
-    let mut tick = tick;
-    let ticking = StoredValue::new_local(std::cell::RefCell::new(Box::new(move || tick()) as Box<dyn FnMut()>));
-    let beat = move || ticking.with_value(|tick| (tick.borrow_mut())());
-    if let Ok(timer) = set_interval_with_handle(beat, Duration::from_secs(1)) {
+    if let Ok(timer) = set_interval_with_handle(tick, Duration::from_secs(1)) {
         on_cleanup(move || timer.clear());
     }
 }
@@ -110,7 +105,11 @@ fn header(app: &'static Workbench) -> El {
     };
     let rate = move || {
         let rate = console.rate.get();
-        if rate == 0 { String::new() } else { app.language.get().frames_per_second(&format::count(rate.into())) }
+        if rate == 0 || console.brought.with(Option::is_some) {
+            String::new()
+        } else {
+            app.language.get().frames_per_second(&format::count(rate.into()))
+        }
     };
     dom::react(move || {
         desk.chosen.track();
@@ -131,17 +130,17 @@ fn header(app: &'static Workbench) -> El {
             }
         }))
         .click(move || console.pause());
-    let follow = button(app, "small toggle", "follow", Language::follow)
+    let follow = tool(app, "small toggle", "follow", Icon::Follow, Language::follow)
         .state("aria-pressed", move || desk.follow.get())
         .click(move || desk.follow.update(|follow| *follow = !*follow));
     let chosen = move || {
         let chosen = desk.chosen.get();
         desk.progress.with(|progress| chosen < progress.shown)
     };
-    let mark = icon_button(app, "small quiet", "mark", Icon::Mark, Language::mark)
+    let mark = tool(app, "small quiet", "mark", Icon::Mark, Language::mark)
         .flag("disabled", move || !chosen())
         .click(move || console.mark(false));
-    let comment = button(app, "small quiet", "comment", Language::comment)
+    let comment = tool(app, "small quiet", "comment", Icon::Comment, Language::comment)
         .flag("disabled", move || !chosen())
         .click(move || console.mark(true));
     el("header")
@@ -150,19 +149,26 @@ fn header(app: &'static Workbench) -> El {
         .child(el("span").class("muted rate").test("log-rate").live_text(rate))
         .child(el("span").class("muted copied").attr("role", "status").test("copied").live_text(copied))
         .child(el("span").class("space"))
-        .child(el("div").class("log-tools").children([
-            pause,
-            follow,
-            mark,
-            comment,
-            copy_menu(app),
-            file_button(app),
-            replay::play_button(app),
-            export_menu(app, desk, &FORMATS),
-            clear_menu(app),
-            icon_button(app, "small quiet", "keys", Icon::Keys, Language::keys)
-                .click(move || console.keys_open.update(|open| *open = !*open)),
-        ]))
+        .child(
+            el("div").class("log-tools").children([
+                pause,
+                follow,
+                mark,
+                comment,
+                copy_menu(app),
+                file_button(app),
+                replay::play_menu(app),
+                export_menu(app, desk, &FORMATS),
+                clear_menu(app),
+                tool(app, "small quiet", "keys", Icon::Keys, Language::keys)
+                    .click(move || console.keys_open.update(|open| *open = !*open)),
+            ]),
+        )
+}
+
+/// A button whose words are left out where there is little room.
+pub(super) fn tool(app: &'static Workbench, look: &str, hook: &str, mark: Icon, text: Label) -> El {
+    icon_button(app, look, hook, mark, text).live_attr("title", move || Some(text(app.language.get()).to_owned()))
 }
 
 /// How times and bytes are told, and how much is kept.
@@ -261,7 +267,8 @@ fn clear_menu(app: &'static Workbench) -> El {
 }
 
 fn copy_menu(app: &'static Workbench) -> El {
-    let item = |hook: &str, text: Label, what: Copied| button(app, "quiet small", hook, text).click(move || copy(app, what));
+    let item =
+        |hook: &str, text: Label, what: Copied| button(app, "quiet small", hook, text).click(move || copy(app, what));
     let items = vec![
         item("copy-rows-hex", Language::copy_hex, Copied::Hex),
         item("copy-rows-text", Language::copy_text, Copied::Text),
@@ -321,22 +328,22 @@ fn text_line(app: &'static Workbench, row: &Row) -> String {
 /// Opens a log or a saved session.
 fn file_button(app: &'static Workbench) -> El {
     let console = &app.console;
-    let chooser = el("input")
-        .attr("type", "file")
-        .attr("id", "console-file")
-        .class("visually-hidden")
-        .test("console-file")
-        .on("change", move |event| {
-            let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
-            let Some(chooser) = chosen else { return };
-            if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
-                console.bring(&file.name(), &file);
-            }
-            // The same file can be chosen again.
-            chooser.set_value("");
-        });
+    let chooser =
+        el("input").attr("type", "file").attr("id", "console-file").class("visually-hidden").test("console-file").on(
+            "change",
+            move |event| {
+                let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
+                let Some(chooser) = chosen else { return };
+                if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
+                    console.bring(&file.name(), &file);
+                }
+                // The same file can be chosen again.
+                chooser.set_value("");
+            },
+        );
     el("label")
         .class("button small quiet file")
+        .live_attr("title", move || Some(app.language.get().open_log().to_owned()))
         .child(icon(Icon::File))
         .child(el("span").say(app, Language::open_log))
         .child(chooser)

@@ -47,7 +47,13 @@ pub(super) fn panes(app: &'static Workbench) -> El {
             let last = PANES.len() - 1;
             let now = open.get_untracked();
             let next = match dom::key(&event).as_str() {
-                "ArrowRight" => if now == last { 0 } else { now + 1 },
+                "ArrowRight" => {
+                    if now == last {
+                        0
+                    } else {
+                        now + 1
+                    }
+                }
                 "ArrowLeft" => now.checked_sub(1).unwrap_or(last),
                 _ => return,
             };

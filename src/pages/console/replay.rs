@@ -2,8 +2,7 @@
 
 use buslens_analyst::message::ToConsole;
 
-use super::compact;
-use crate::components::button::{button, icon_button};
+use crate::components::button::{bare, button, icon_button, menu};
 use crate::components::desk::reading::understood;
 use crate::components::icon::Icon;
 use crate::dom::{El, el};
@@ -12,19 +11,29 @@ use crate::text::Language;
 use crate::workbench::Workbench;
 
 /// Speeds in thousandths of a recording's own; 0 for as fast as it goes.
-const SPEEDS: [(&str, &str); 6] =
-    [("100", "0.1\u{D7}"), ("500", "0.5\u{D7}"), ("1000", "1\u{D7}"), ("2000", "2\u{D7}"), ("10000", "10\u{D7}"), ("0", "")];
+const SPEEDS: [(&str, &str); 6] = [
+    ("100", "0.1\u{D7}"),
+    ("500", "0.5\u{D7}"),
+    ("1000", "1\u{D7}"),
+    ("2000", "2\u{D7}"),
+    ("10000", "10\u{D7}"),
+    ("0", ""),
+];
 
-/// Begins a replay of what is in the list.
-pub(super) fn play_button(app: &'static Workbench) -> El {
+/// Begins a replay of what is in the list, at one of the speeds.
+pub(super) fn play_menu(app: &'static Workbench) -> El {
     let console = &app.console;
-    let busy = move || console.replay.with(|replay| replay.playing);
-    icon_button(app, "small quiet", "replay", Icon::Play, Language::replay)
-        .live_attr("title", move || Some(app.language.get().replay_hint().to_owned()))
-        .flag("disabled", move || {
-            busy() || console.desk.progress.with(|progress| progress.entries == 0 || !progress.finished)
-        })
-        .click(move || console.play())
+    let hint = el("p").class("menu-words").say(app, Language::replay_hint);
+    let item = |(key, text): (&'static str, &'static str)| {
+        bare("quiet small", &["replay-", key].concat())
+            .flag("disabled", move || !console.can_play())
+            .live_text(move || if text.is_empty() { app.language.get().fastest() } else { text }.to_owned())
+            .click(move || {
+                console.speed.set(key.to_owned());
+                console.play();
+            })
+    };
+    menu(app, "replay", Language::replay, [hint].into_iter().chain(SPEEDS.map(item)).collect())
 }
 
 /// Tells that the list is not the line's, and how far it has come.
@@ -44,7 +53,6 @@ pub(super) fn banner(app: &'static Workbench) -> El {
                         .class("banner-row")
                         .live_one(move || Some(if playing.get() { progress(app) } else { words(app) }))
                         .child(el("span").class("space"))
-                        .child(speed(app))
                         .child(
                             button(app, "small", "back-to-live", Language::back_to_live)
                                 .click(move || console.go_live()),
@@ -92,16 +100,6 @@ fn progress(app: &'static Workbench) -> El {
         )
 }
 
-/// The speed of the next replay.
-fn speed(app: &'static Workbench) -> El {
-    let console = &app.console;
-    let options = move || {
-        let fastest = app.language.get().fastest();
-        SPEEDS.map(|(key, text)| (key.to_owned(), if text.is_empty() { fastest } else { text }.to_owned())).into()
-    };
-    compact::field(app, Language::speed, compact::select("replay-speed", console.speed, options))
-}
-
 /// `1:02.5`.
 fn seconds(microseconds: u64) -> String {
     let tenths = microseconds / 100_000;
@@ -114,6 +112,9 @@ mod tests {
 
     #[test]
     fn times_of_a_replay_are_minutes_and_tenths_of_seconds() {
-        assert_eq!((seconds(0), seconds(62_549_999), seconds(3_600_000_000)), ("0:00.0".into(), "1:02.5".into(), "60:00.0".into()));
+        assert_eq!(
+            (seconds(0), seconds(62_549_999), seconds(3_600_000_000)),
+            ("0:00.0".into(), "1:02.5".into(), "60:00.0".into())
+        );
     }
 }

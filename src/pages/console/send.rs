@@ -107,8 +107,8 @@ fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>
         .flag("disabled", move || {
             !console.is_open()
                 || dock.line().outgoing().map_or(true, |outgoing| outgoing.bytes.is_empty())
-                || dock.repetition().is_none()
-                || dock.wait_ms().is_none()
+                || dock.repetition().is_err()
+                || dock.wait_ms().is_err()
         });
     let stop = move || {
         icon_button(app, "", "send-stop", Icon::Stop, Language::stop)
@@ -126,12 +126,10 @@ fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>
                 .attr("aria-haspopup", "dialog")
                 .click(move || console.builder_open.set(true)),
         )
-        .child(
-            button(app, "small", "keep-line", Language::keep_line).click(move || {
-                console.tab.set("snippets".to_owned());
-                super::panes::focus_soon(super::kept::NAME);
-            }),
-        )
+        .child(button(app, "small", "keep-line", Language::keep_line).click(move || {
+            console.tab.set("snippets".to_owned());
+            super::panes::focus_soon(super::kept::NAME);
+        }))
         .live_one(move || more.get().then(stop))
         .child(send)
 }
@@ -161,7 +159,7 @@ fn repeat_row(app: &'static Workbench, dock: &'static Dock) -> El {
     let heard = Memo::new(move |_| dock.until.with(|until| until == "heard"));
     let pattern = move || {
         let input = el("input")
-            .class("mono")
+            .class("mono pattern")
             .attr("autocomplete", "off")
             .attr("spellcheck", "false")
             .attr("placeholder", "01 03 ?? ..")
@@ -171,11 +169,11 @@ fn repeat_row(app: &'static Workbench, dock: &'static Dock) -> El {
     };
     el("div")
         .class("dock-row repeat-row")
-        .child(number("repeat-every", Language::repeat_every, dock.every, |dock| dock.every_ms().is_none()))
-        .child(number("repeat-times", Language::repeat_times, dock.times, |dock| dock.count().is_none()))
+        .child(number("repeat-every", Language::repeat_every, dock.every, |dock| dock.every_ms().is_err()))
+        .child(number("repeat-times", Language::repeat_times, dock.times, |dock| dock.count().is_err()))
         .child(compact::field(app, Language::until, compact::select("repeat-until", dock.until, untils)))
         .live_one(move || heard.get().then(pattern))
-        .child(number("send-wait", Language::wait_for_answer, dock.wait, |dock| dock.wait_ms().is_none()))
+        .child(number("send-wait", Language::wait_for_answer, dock.wait, |dock| dock.wait_ms().is_err()))
 }
 
 /// The bytes as they will go out, or what is wrong with the line.
@@ -198,11 +196,7 @@ fn bytes_line(app: &'static Workbench, language: Language, line: &Line, outgoing
     let Outgoing { bytes, check, is_wrong } = outgoing;
     let ascii = line.framing == Framing::Ascii;
     let kind = if *is_wrong { "wrong" } else { "check" };
-    let parts = [
-        (0..check.start, "body"),
-        (check.clone(), kind),
-        (check.end..bytes.len(), "body"),
-    ];
+    let parts = [(0..check.start, "body"), (check.clone(), kind), (check.end..bytes.len(), "body")];
     let part = |(range, kind): (std::ops::Range<usize>, &str)| {
         let shown = range.start..range.end.min(MOST);
         let text = bytes.get(shown).map(|bytes| if ascii { characters(bytes) } else { hex_spaced(bytes) })?;
@@ -300,11 +294,7 @@ fn end_key(end: End) -> &'static str {
     }
 }
 
-fn result_line(
-    language: Language,
-    profile: Option<&buslens_codec::profile::Profile>,
-    sent: &Sent,
-) -> Vec<El> {
+fn result_line(language: Language, profile: Option<&buslens_codec::profile::Profile>, sent: &Sent) -> Vec<El> {
     let Sent { bytes, mode, times, more, outcome, .. } = sent;
     let Some(Outcome { heard, round_trip_us, end, .. }) = outcome else {
         return vec![el("span").class("muted").text(language.sending())];

@@ -177,7 +177,12 @@ fn pending_buttons(app: &'static Workbench, setup: Setup) -> El {
             setup.take(in_force);
         }
     });
-    el("div").class("pending").attr("role", "status").child(el("span").say(app, Language::not_applied)).child(apply).child(undo)
+    el("div")
+        .class("pending")
+        .attr("role", "status")
+        .child(el("span").say(app, Language::not_applied))
+        .child(apply)
+        .child(undo)
 }
 
 /// What is there: a port, the simulator, a replay, nothing.
@@ -243,7 +248,8 @@ fn fields(app: &'static Workbench, setup: Setup) -> Vec<El> {
     };
     let parities = move || {
         let language = app.language.get();
-        let named = [("none", language.parity_none()), ("even", language.parity_even()), ("odd", language.parity_odd())];
+        let named =
+            [("none", language.parity_none()), ("even", language.parity_even()), ("odd", language.parity_odd())];
         named.map(|(key, label)| (key.to_owned(), label.to_owned())).into()
     };
     let modes = move || {
@@ -274,20 +280,27 @@ fn fields(app: &'static Workbench, setup: Setup) -> Vec<El> {
 fn switches(app: &'static Workbench) -> [El; 2] {
     let console = &app.console;
     let on = move |pick: fn(&LineState) -> bool| console.line.with(|line| line.as_ref().is_some_and(pick));
-    let switch = move |hook: &'static str, text: Label, hint: Label, pick: fn(&LineState) -> bool, order: fn(bool) -> ToLine| {
-        bare("small switch", hook)
-            .attr("role", "switch")
-            .state("aria-checked", move || on(pick))
-            .live_attr("title", move || Some(hint(app.language.get()).to_owned()))
-            .flag("disabled", move || console.line.with(|line| line.as_ref().is_none_or(|line| line.replay)))
-            .child(el("i"))
-            .child(el("span").say(app, text))
-            .click(move || console.order(order(!on(pick))))
-    };
+    let switch =
+        move |hook: &'static str, text: Label, hint: Label, pick: fn(&LineState) -> bool, order: fn(bool) -> ToLine| {
+            bare("small switch", hook)
+                .attr("role", "switch")
+                .state("aria-checked", move || on(pick))
+                .live_attr("title", move || Some(hint(app.language.get()).to_owned()))
+                .flag("disabled", move || console.line.with(|line| line.as_ref().is_none_or(|line| line.replay)))
+                .child(el("i"))
+                .child(el("span").say(app, text))
+                .click(move || console.order(order(!on(pick))))
+        };
     [
         switch("line-polling", Language::polling, Language::polling_hint, |line| line.polling, ToLine::Poll),
-        switch("line-read-only", Language::read_only, Language::read_only_hint, |line| line.read_only, ToLine::ReadOnly)
-            .live_class("caution", move || on(|line| line.read_only)),
+        switch(
+            "line-read-only",
+            Language::read_only,
+            Language::read_only_hint,
+            |line| line.read_only,
+            ToLine::ReadOnly,
+        )
+        .live_class("caution", move || on(|line| line.read_only)),
     ]
 }
 
@@ -299,16 +312,18 @@ fn signals(app: &'static Workbench, setup: Setup) -> El {
     let signal = move |pick: fn(&Signals) -> Option<bool>| {
         console.line.with(|line| line.as_ref().and_then(|line| pick(&line.signals)))
     };
-    let has_signals =
-        move || console.line.with(|line| line.as_ref().is_some_and(|line| line.open && !line.simulated && !line.replay));
-    let output = move |name: &'static str, hook: &str, pick: fn(&Signals) -> Option<bool>, order: fn(bool) -> ToLine| {
-        bare("small lamp-button", hook)
-            .state("aria-pressed", move || signal(pick) == Some(true))
-            .flag("disabled", move || !has_signals())
-            .child(el("i").class("lamp").live_attr("data-on", move || lamp_state(signal(pick))))
-            .child(el("span").text(name))
-            .click(move || console.order(order(signal(pick) != Some(true))))
+    let has_signals = move || {
+        console.line.with(|line| line.as_ref().is_some_and(|line| line.open && !line.simulated && !line.replay))
     };
+    let output =
+        move |name: &'static str, hook: &str, pick: fn(&Signals) -> Option<bool>, order: fn(bool) -> ToLine| {
+            bare("small lamp-button", hook)
+                .state("aria-pressed", move || signal(pick) == Some(true))
+                .flag("disabled", move || !has_signals())
+                .child(el("i").class("lamp").live_attr("data-on", move || lamp_state(signal(pick))))
+                .child(el("span").text(name))
+                .click(move || console.order(order(signal(pick) != Some(true))))
+        };
     let inputs: [Lamp; 4] =
         [("CTS", |all| all.cts), ("DSR", |all| all.dsr), ("DCD", |all| all.dcd), ("RI", |all| all.ri)];
     let lamp = move |(name, pick): Lamp| {

@@ -14,7 +14,6 @@ use crate::console::snippets::{self, Snippet};
 use crate::device::{self, Device};
 use crate::reactive::prelude::*;
 use crate::storage::{self, kept};
-use crate::workbench::Workbench;
 
 /// How many entries the log can be told to keep.
 pub(super) const RINGS: [u32; 5] = [1_000, 10_000, 100_000, 1_000_000, 5_000_000];
@@ -104,20 +103,20 @@ impl Console {
     }
 
     /// Starts the worker at the first visit and joins it to the engine.
-    pub(super) fn start(&'static self, app: &'static Workbench) {
+    pub(super) fn start(&'static self) {
         if self.started.get_value() {
             return;
         }
         self.started.set_value(true);
         Analyst::Console.start(move |message, beside| self.hear(message, &beside));
-        app.attach_console();
+        crate::workbench::attach_console();
         self.tell(ToConsole::RingSize(self.ring_size()));
         self.desk.send_profile();
     }
 
     /// Sends a wish to the worker.
     pub(super) fn tell(&self, wish: ToConsole) {
-        Analyst::Console.send(&ToAnalyst::Console(wish));
+        self.desk.analyst.send(&ToAnalyst::Console(wish));
     }
 
     /// Sends an order to the engine, by way of the worker.
@@ -159,8 +158,17 @@ impl Console {
         self.tell(ToConsole::Live);
     }
 
+    /// Whether there is something to be played, and nothing is being played.
+    pub(super) fn can_play(&self) -> bool {
+        let full = self.desk.progress.with(|progress| progress.entries > 0 && progress.finished);
+        full && !self.replay.with(|replay| replay.playing)
+    }
+
     /// Plays the list as if it were live.
     pub(super) fn play(&self) {
+        if !self.can_play() {
+            return;
+        }
         let speed_permille = self.speed.with_untracked(|text| text.parse().unwrap_or(1000));
         self.replayed.set(true);
         self.desk.choose(NOTHING);

@@ -36,8 +36,9 @@ pub(super) fn list_header(app: &'static Workbench) -> El {
 fn link_button(app: &'static Workbench) -> El {
     let decoder = &app.decoder;
     let copied = RwSignal::new(false);
-    let short =
-        Memo::new(move |_| decoder.document.with(Option::is_none) && decoder.typed.with(|text| text.len() <= LONGEST_LINK));
+    let short = Memo::new(move |_| {
+        decoder.document.with(Option::is_none) && decoder.typed.with(|text| text.len() <= LONGEST_LINK)
+    });
     bare("quiet small", "copy-link")
         .flag("disabled", move || !short.get())
         .live_text(move || {

@@ -49,7 +49,7 @@ pub(crate) fn connect_above(app: &'static App) -> El {
     el("div").class("contents").live_one(move || {
         (!session.get()).then(|| {
             el("details")
-                .class("connect-above page")
+                .class("connect-above")
                 .attr("open", "")
                 .child(el("summary").say(app, Language::state_closed))
                 .live_one(move || fault.with(|fault| fault.as_ref().map(|fault| fault_panel(app, fault))))
