@@ -4,7 +4,7 @@
 
 use std::cell::RefCell;
 
-use js_sys::Uint8Array;
+use js_sys::{Array, Uint8Array};
 use wasm_bindgen::prelude::*;
 use web_sys::Worker;
 
@@ -34,7 +34,7 @@ pub(crate) fn send(message: &ToEngine) {
     WORKER.with_borrow(|worker| {
         if let Some(worker) = worker {
             // Bytes can always be posted.
-            let _ = worker.post_message(&Uint8Array::from(bytes.as_slice()));
+            let _ = worker.post_message(&Array::of1(&Uint8Array::from(bytes.as_slice())));
         }
     });
 }

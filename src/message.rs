@@ -33,6 +33,8 @@ pub(crate) enum ToWindow {
     Ports(Vec<PortId>),
     /// The state of everything. Sent when something in it has changed.
     Status(Status),
+    /// The connection as it is now, which the console may have changed. Sent when something in it has changed.
+    Line(Line),
     /// The engine has failed for good; its worker must be ended, which closes the port.
     Panicked(String),
 }
@@ -84,10 +86,21 @@ pub(crate) struct Connection {
     pub mode: Mode,
     /// The device's address, 0 to 255.
     pub unit: UnitId,
-    /// Wanted time between two readings, in milliseconds.
+    /// Wanted time between two readings, in milliseconds; 0 only listens.
     pub period_ms: u32,
     /// The device's profile, packed.
     pub profile: Vec<u8>,
+}
+
+/// A connection as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Line {
+    /// What is connected, with the settings in force.
+    pub connection: Connection,
+    /// Whether the device is polled.
+    pub polling: bool,
+    /// Whether only reads are let out.
+    pub read_only: bool,
 }
 
 /// Where the bytes go.
@@ -97,6 +110,8 @@ pub(crate) enum Source {
     Simulator,
     /// A serial port of this machine.
     Serial(PortId),
+    /// Nowhere: a recording is played.
+    Replay,
 }
 
 /// The state of everything that the engine knows.

@@ -2,8 +2,8 @@
 //! reads no clock; its program gives it a worker to live in.
 //!
 //! In: [`Console::hear`], [`Console::hear_line`], [`Console::handle_time`]. After any of them call [`Console::work`] until
-//! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_news`], [`Console::poll_progress`] and
-//! [`Console::poll_timeout`]. Times are the worker's own but where an item says that they are the engine's.
+//! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_news`], [`Console::poll_progress`],
+//! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they are the engine's.
 //!
 //! There are up to three lists: the log of the line, a text that was brought in, and what a replay has brought forth. One
 //! of them is in view; the line's log goes on whatever is in view.
@@ -19,10 +19,11 @@ use buslens_bus::record::Note;
 use buslens_bus::time::Instant;
 use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
+use buslens_codec::profile::Profile;
 
 use crate::desk::{Cursor, Desk};
 use crate::line::{End, FromLine, LineState, Outcome, ToLine};
-use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, ToConsole};
+use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, Statistics, ToConsole};
 use outbox::Outbox;
 use playback::Playback;
 use sends::Sends;
@@ -31,6 +32,8 @@ use sends::Sends;
 const NOTES: usize = 1024;
 /// Nobody reads faster how long a list is.
 const NEWS_PERIOD: Duration = Duration::from_millis(60);
+/// Nobody reads counts faster.
+const COUNTS_PERIOD: Duration = Duration::from_secs(1);
 /// When nothing was heard for so long, the line is quiet: what was held back for want of its end is all there is.
 const QUIET: Duration = Duration::from_millis(60);
 
@@ -61,6 +64,8 @@ pub struct Console {
     unsettled: Option<(u64, Instant, bool)>,
     has_news: bool,
     told_at: Option<Instant>,
+    has_counts: bool,
+    counted_at: Option<Instant>,
     out: Outbox,
 }
 
@@ -93,6 +98,8 @@ impl Console {
             unsettled: None,
             has_news: false,
             told_at: None,
+            has_counts: false,
+            counted_at: None,
             out: Outbox::default(),
         }
     }
@@ -121,7 +128,7 @@ impl Console {
             ToConsole::Send(sending) => self.sends.begin(now, sending, &mut self.out),
             ToConsole::StopSending => self.sends.stop(&mut self.out),
             ToConsole::Line(order) => self.out.order(order),
-            ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, profile),
+            ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, &profile),
             ToConsole::StopReplay => self.end_playback(),
             ToConsole::Check { .. } | ToConsole::Run { .. } | ToConsole::Stop => {}
         }
@@ -164,6 +171,7 @@ impl Console {
         if let Some(desk) = self.log_mut(replay) {
             desk.record(&portion);
             self.has_news = true;
+            self.has_counts = true;
         }
         !self.backlog.is_empty()
     }
@@ -188,11 +196,22 @@ impl Console {
         Some(self.progress())
     }
 
+    /// What the log in view holds, if that has changed and it is time to tell.
+    pub fn poll_statistics(&mut self, now: Instant) -> Option<Statistics> {
+        if !self.has_counts || self.counted_at.is_some_and(|counted_at| now < counted_at + COUNTS_PERIOD) {
+            return None;
+        }
+        self.has_counts = false;
+        self.counted_at = Some(now);
+        self.desk().statistics()
+    }
+
     /// When something is to be done next.
     pub fn poll_timeout(&self) -> Option<Instant> {
         let news = self.has_news.then(|| self.told_at.map_or(Instant::ZERO, |told_at| told_at + NEWS_PERIOD));
+        let counts = self.has_counts.then(|| self.counted_at.map_or(Instant::ZERO, |told_at| told_at + COUNTS_PERIOD));
         let playback = self.playback.as_ref().and_then(Playback::due);
-        [self.sends.due(), playback, self.quiet_at(), news].into_iter().flatten().min()
+        [self.sends.due(), playback, self.quiet_at(), news, counts].into_iter().flatten().min()
     }
 
     /// The list in view.
@@ -296,7 +315,7 @@ impl Console {
     }
 
     /// Plays the list in view; of a replay's own list, what it has played.
-    fn replay(&mut self, now: Instant, speed_permille: u32, profile: String) {
+    fn replay(&mut self, now: Instant, speed_permille: u32, profile: &str) {
         self.end_playback();
         if self.view != View::Replayed {
             self.source = self.view;
@@ -314,6 +333,7 @@ impl Console {
         self.playback = Some(Playback::new(now, speed_permille, first_us, last_us));
         self.replayed = Some(self.new_log(source.epoch_us().unwrap_or(0)));
         self.show(View::Replayed);
+        let profile = Profile::from_json(profile).map(|profile| profile.pack()).unwrap_or_default();
         self.out.order(ToLine::Replay { profile, line, mode });
     }
 

@@ -17,8 +17,10 @@ use wasm_bindgen_futures::spawn_local;
 use scope::{Line, Timer, milliseconds, now, post, post_with, turn};
 use source::Source;
 
-/// Entries that are counted or sifted before the worker listens again.
-const ENTRIES: usize = 8192;
+/// Entries that are counted or sifted before the clock is looked at.
+const ENTRIES: usize = 1024;
+/// Milliseconds of work before the worker listens again.
+const PATIENCE: f64 = 5.0;
 /// Nobody reads progress faster, in milliseconds.
 const NEWS_PERIOD: f64 = 60.0;
 
@@ -133,6 +135,7 @@ impl Analyst {
         let analyst = Rc::clone(self);
         spawn_local(async move {
             while analyst.console.borrow_mut().work() {
+                analyst.hand_on();
                 turn().await;
             }
             analyst.taking_notes.set(false);
@@ -153,6 +156,9 @@ impl Analyst {
         }
         if let Some(progress) = console.poll_progress(now) {
             post(&FromAnalyst::Progress(progress));
+        }
+        if let Some(statistics) = console.poll_statistics(now) {
+            post(&FromAnalyst::Statistics(statistics));
         }
         self.timer.set(now, console.poll_timeout());
     }
@@ -201,7 +207,7 @@ impl Analyst {
         let analyst = Rc::clone(self);
         spawn_local(async move {
             let mut told_at = milliseconds();
-            while analyst.console.borrow_mut().desk_mut().work(ENTRIES) {
+            while analyst.work_a_while() {
                 if milliseconds() - told_at > NEWS_PERIOD {
                     analyst.tell();
                     told_at = milliseconds();
@@ -215,6 +221,18 @@ impl Analyst {
                 post(&FromAnalyst::Statistics(statistics));
             }
         });
+    }
+
+    /// Whether there is more to do.
+    fn work_a_while(&self) -> bool {
+        let begun = milliseconds();
+        let mut console = self.console.borrow_mut();
+        while console.desk_mut().work(ENTRIES) {
+            if milliseconds() - begun > PATIENCE {
+                return true;
+            }
+        }
+        false
     }
 
     fn tell(&self) {

@@ -318,6 +318,9 @@ impl Master {
                     return;
                 }
             } else if let Some((line, mode)) = self.wanted.take() {
+                if (self.config.line, self.config.mode) != (line, mode) {
+                    self.overdue.forget();
+                }
                 (self.config.line, self.config.mode) = (line, mode);
                 self.link.reopen(line);
                 return;
@@ -426,7 +429,7 @@ impl Master {
         self.counters.noise_bytes += self.inbox.keep(longest);
     }
 
-    /// A new link has no history. What a device owes it may still send: the settings may be the same as before.
+    /// A new link has no history, but a device still owes what it owes if only the port was opened again.
     fn start_afresh(&mut self, now: Instant) {
         self.inbox.clear();
         self.echo = Echo::Unknown;
@@ -441,6 +444,7 @@ impl Master {
     /// Ends everything under way: there is no link.
     fn abandon(&mut self, now: Instant) {
         self.outgoing = None;
+        self.overdue.forget();
         self.counters.noise_bytes += self.inbox.clear();
         if let Some(current) = self.current.take() {
             let (exchange, asker) = match current {

@@ -5,6 +5,7 @@ use core::time::Duration;
 use buslens_codec::pdu::{ExceptionCode, PduError, Response};
 use serde::{Deserialize, Serialize};
 
+use crate::record::{End, Outcome};
 use crate::time::Instant;
 
 /// What a completed job brought.
@@ -114,6 +115,28 @@ impl Exchange {
     /// Nothing was sent.
     pub(crate) fn unsent(now: Instant, failure: Failure) -> Self {
         Self { sent: Vec::new(), received: Vec::new(), sent_at: now, at: now, round_trip: None, result: Err(failure) }
+    }
+}
+
+/// The exchange in a word, for whoever sent the bytes from outside.
+impl From<&Exchange> for Outcome {
+    fn from(exchange: &Exchange) -> Self {
+        let end = match &exchange.result {
+            Ok(Answer::Reply(_)) | Err(Failure::Exception { .. }) => End::Answered,
+            Ok(Answer::BroadcastSent) => End::Broadcast,
+            Ok(Answer::Heard) => End::Heard,
+            Err(Failure::NoAnswer { .. }) if exchange.received.is_empty() => End::Silence,
+            Err(Failure::NoAnswer { .. } | Failure::BadCheck { .. }) => End::Damaged,
+            Err(Failure::Doubtful | Failure::Unproven) => End::Doubtful,
+            Err(Failure::ReadOnly) => End::ReadOnly,
+            Err(Failure::LinkLost | Failure::Invalid(_)) => End::NoPort,
+        };
+        Self {
+            at_us: exchange.sent_at.as_micros(),
+            heard: exchange.received.clone(),
+            round_trip_us: exchange.round_trip.and_then(|round_trip| u32::try_from(round_trip.as_micros()).ok()),
+            end,
+        }
     }
 }
 

@@ -440,7 +440,7 @@ impl Transcript {
     fn time_at(&self, source: usize, place: u64) -> Option<u64> {
         let Source { start, segment } = self.sources.get(source)?;
         let passed = place.checked_sub(*start)?;
-        let end = self.sources.get(source + 1).map_or(self.stream_len(), |next| next.start);
+        let end = self.sources.get(source + 1).map_or(self.taken, |next| next.start);
         let span = u64::from(segment.span_us).saturating_mul(passed).checked_div(end.saturating_sub(*start));
         Some(segment.time_us?.saturating_add(span.unwrap_or(0)))
     }

@@ -67,7 +67,7 @@ pub(crate) fn top_bar(app: &'static App) -> El {
         .attr("aria-live", "polite")
         .live_attr("data-state", phase_name)
         .child(el("i").class("dot").live_attr("data-state", phase_name))
-        .child(el("span").class("state-text").live_text(|| app.phase.get().title(app.language.get()).to_owned()));
+        .child(el("span").class("state-text").live_text(|| app.phase_title()));
     let round_trip = move || {
         let reading = app.phase.get() == Phase::Reading;
         app.status.with(|status| status.round_trip_us.filter(|_| reading))
@@ -140,6 +140,7 @@ pub(crate) fn port_name(app: &'static App) -> String {
     let used = app.connection.with(|connection| connection.as_ref().map(|connection| connection.source));
     match used.filter(|_| app.phase.get().is_connected()) {
         Some(Source::Simulator) => language.simulator().to_owned(),
+        Some(Source::Replay) => language.replay_source().to_owned(),
         Some(Source::Serial(port)) => ports::title(language, &ports, port),
         None => {
             let chosen = app.settings.port.with(|wanted| ports::find(&ports, wanted));
@@ -153,7 +154,8 @@ fn line_text(app: &'static App) -> String {
     let language = app.language.get();
     let used = app.connection.get().filter(|_| app.phase.get().is_connected());
     let shown = used.or_else(|| app.settings.connection(Source::Simulator));
-    shown.map(|connection| connection_text(language, &connection)).unwrap_or_default()
+    let read_only = if app.read_only.get() { [" · ", language.only_reads()].concat() } else { String::new() };
+    shown.map(|connection| connection_text(language, &connection) + &read_only).unwrap_or_default()
 }
 
 /// `9600 8E1 · RTU · unit 12`.

@@ -42,6 +42,10 @@ impl Overdue {
         self.requests.push_back(Unanswered { unit, request, on_wire_until });
     }
 
+    pub(super) fn forget(&mut self) {
+        self.requests.clear();
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.requests.is_empty()
     }

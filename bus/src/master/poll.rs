@@ -24,6 +24,8 @@ pub(super) struct Schedule {
     next: usize,
     due: Instant,
     round_started: Instant,
+    /// A request of this poll was found in a recording, so that its unit is known.
+    recognised: bool,
 }
 
 impl Schedule {
@@ -34,6 +36,7 @@ impl Schedule {
             next: 0,
             due: now,
             round_started: now,
+            recognised: false,
         })
     }
 
@@ -65,12 +68,15 @@ impl Schedule {
         (index, self.poll.requests[index].clone())
     }
 
-    /// The place of a request that was made anyway, searched for from the one that is next.
+    /// The place of a request that was made anyway, searched for from the one that is next. The first one tells whose
+    /// poll it is.
     pub(super) fn recognise(&mut self, unit: UnitId, request: &Request) -> Option<usize> {
         let count = self.poll.requests.len();
-        let mut places = (self.next..count).chain(0..self.next).filter(|_| unit == self.poll.unit);
+        let mut places = (self.next..count).chain(0..self.next).filter(|_| !self.recognised || unit == self.poll.unit);
         let index = places.find(|&at| self.poll.requests.get(at) == Some(request))?;
         self.next = (index + 1) % count;
+        self.poll.unit = unit;
+        self.recognised = true;
         Some(index)
     }
 }

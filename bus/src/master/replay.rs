@@ -1,13 +1,16 @@
 //! A recording happens again: the master steps through it as through live traffic, and nothing leaves.
 
+use buslens_codec::UnitId;
+
 use super::job::request_of;
+use super::poll::Schedule;
 use super::{Asker, Config, Current, LinkEvent, LinkState, Master};
-use crate::record::What;
+use crate::record::{Origin, What};
 use crate::time::Instant;
 
 impl Master {
     /// A master for [`Master::replay`], whose link counts as open. [`Master::set_poll`] tells it which requests were the
-    /// poll's. It sends nothing, whatever is submitted; jobs wait for ever.
+    /// poll's; its unit is that of the first one that comes. It sends nothing, whatever is submitted; jobs wait for ever.
     pub fn replaying(config: Config) -> Self {
         let mut master = Self::new(config);
         master.link.pretend(LinkState::Open);
@@ -16,13 +19,14 @@ impl Master {
     }
 
     /// Lets `what` happen, and before it whatever time alone brings. A recorded request begins without being sent; one
-    /// that equals a request of the poll ends in an [`super::Event::Polled`]. Time must not go back.
+    /// that equals a request of the poll, and is not known to be somebody else's, ends in an [`super::Event::Polled`].
+    /// Time must not go back.
     pub fn replay(&mut self, now: Instant, what: &What) {
         while let Some(due) = self.poll_timeout().filter(|&due| due < now) {
             self.handle_timeout(due);
         }
         match what {
-            What::Sent { bytes, .. } if !bytes.is_empty() => self.replay_sent(now, bytes),
+            What::Sent { origin, bytes } if !bytes.is_empty() => self.replay_sent(now, *origin, bytes),
             What::Received(bytes) => self.handle_bytes(now, bytes),
             What::LineError => self.handle_link(now, LinkEvent::LineError),
             What::Opened(line, mode) => {
@@ -37,8 +41,13 @@ impl Master {
         }
     }
 
+    /// Whom the poll asks; in a replay known from its first request on.
+    pub fn polled_unit(&self) -> Option<UnitId> {
+        self.schedule.as_ref().map(Schedule::unit)
+    }
+
     /// The next request was made, so that nothing more answered the one before.
-    fn replay_sent(&mut self, now: Instant, bytes: &[u8]) {
+    fn replay_sent(&mut self, now: Instant, origin: Origin, bytes: &[u8]) {
         self.link.pretend(LinkState::Open);
         self.handle_timeout(now);
         let exchange = match &mut self.current {
@@ -50,7 +59,9 @@ impl Master {
             None => self.current = None,
         }
         let request = request_of(self.config.mode, bytes);
-        let index = request.as_ref().and_then(|(unit, request)| self.schedule.as_mut()?.recognise(*unit, request));
+        let schedule = self.schedule.as_mut().filter(|_| matches!(origin, Origin::Poll | Origin::Unknown));
+        let index =
+            schedule.zip(request.as_ref()).and_then(|(schedule, (unit, request))| schedule.recognise(*unit, request));
         let asker = index.map_or(Asker::Recorded, Asker::Poll);
         self.begin(now, asker, None, request, bytes.to_vec());
     }

@@ -77,6 +77,7 @@ fn form_text(form: Form) -> Label {
         Form::Log => Language::read_as_log,
         Form::HexDump => Language::read_as_dump,
         Form::WordDump => Language::read_as_words,
+        Form::Session => Language::read_as_session,
     }
 }
 
@@ -88,6 +89,7 @@ fn instead_text(form: Form) -> Label {
         Form::Log => Language::instead_log,
         Form::HexDump => Language::instead_dump,
         Form::WordDump => Language::instead_words,
+        Form::Session => Language::instead_session,
     }
 }
 
