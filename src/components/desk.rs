@@ -66,6 +66,8 @@ pub(crate) struct Desk {
     pub(crate) times: RwSignal<Times>,
     /// How a row's bytes are told.
     pub(crate) bytes: RwSignal<Bytes>,
+    /// Changes when the list is to be shown from its beginning.
+    pub(crate) rewound: RwSignal<u32>,
     /// How many rows have gone from the front of the whole list.
     pub(crate) gone: RwSignal<u32>,
     /// The clock that the rows' times are those of.
@@ -124,6 +126,7 @@ impl Desk {
             follow: RwSignal::new(live),
             times: RwSignal::new(Times::Clock),
             bytes: RwSignal::new(Bytes::Hex),
+            rewound: RwSignal::new(0),
             gone: RwSignal::new(0),
             clock: StoredValue::new(Clock::default()),
             turn: RwSignal::new(0),
@@ -206,6 +209,11 @@ impl Desk {
             self.follow.set(false);
         }
         self.analyst.send(&ToAnalyst::Filter(self.filter()));
+    }
+
+    /// Shows the list from its beginning.
+    pub(crate) fn rewind(&self) {
+        self.rewound.update(|turn| *turn = turn.wrapping_add(1));
     }
 
     /// Chooses one row by its place.

@@ -35,7 +35,7 @@ pub(crate) fn frame_list(app: &'static Workbench, desk: &'static Desk) -> El {
         draw: Box::new(move |at| desk.with_row(at, |row| draw(app, desk, row))),
         want: Box::new(move |places| desk.want(places)),
         chosen: desk.chosen,
-        growing: desk.is_live().then_some(Growing { follow: desk.follow, anchor: desk.anchor }),
+        growing: desk.is_live().then_some(Growing { follow: desk.follow, anchor: desk.anchor, rewound: desk.rewound }),
         hook: if desk.is_live() { "console-row" } else { "frame-row" },
     };
     let class = if desk.is_live() { "frames log" } else { "frames" };

@@ -141,6 +141,7 @@ impl Console {
         self.unreadable.set(None);
         self.replayed.set(false);
         self.desk.follow.set(false);
+        self.desk.rewind();
         let reading = self.desk.next_reading();
         BROUGHT.with_borrow(|what| {
             Analyst::Console.send_with(&ToAnalyst::Read { reading, form, keep: false }, what);
@@ -231,8 +232,13 @@ impl Console {
     /// Takes over what the first program says of the connection.
     pub(crate) fn connected(&self, told: Option<(String, u8)>) {
         let (device, unit) = told.unzip();
-        self.desk.connected.set(device);
         self.unit.set(unit);
+        if self.desk.connected.with_untracked(|before| *before != device) {
+            self.desk.connected.set(device);
+            if self.started.get_value() {
+                self.desk.send_profile();
+            }
+        }
     }
 
     fn hear(&self, message: FromAnalyst, beside: &JsValue) {
