@@ -68,7 +68,8 @@ async fn minute(bench: &Bench<Chatter>, page: &ConsolePage<'_>) {
     bench.browser.fill("filter-text", "").await;
     page.wait_for_entries(said).await;
     let latencies = bench.browser.run("return latencies").await;
-    let latencies: Vec<f64> = latencies.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
+    let latencies: Vec<f64> =
+        latencies.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
     row(&format!("2000 frames/s: written in {told} s"), f64::from(said), "", "");
     row("2000 frames/s: missing in the list", f64::from(said) - f64::from(page.entries().await), "", "0");
     row("2000 frames/s: 95th percentile from key to paint", percentile(&latencies, 95), "ms", "100 ms");
