@@ -20,6 +20,7 @@ use buslens_bus::record::Note;
 use buslens_bus::time::Instant;
 use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
+use buslens_codec::profile::Profile;
 
 use crate::desk::{Cursor, Desk};
 use crate::line::{End, FromLine, LineState, Outcome, ToLine};
@@ -128,7 +129,7 @@ impl Console {
             ToConsole::Send(sending) => self.sends.begin(now, sending, &mut self.out),
             ToConsole::StopSending => self.sends.stop(&mut self.out),
             ToConsole::Line(order) => self.out.order(order),
-            ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, profile),
+            ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, &profile),
             ToConsole::StopReplay => self.end_playback(),
             ToConsole::Check { .. } | ToConsole::Run { .. } | ToConsole::Stop => {}
         }
@@ -315,7 +316,7 @@ impl Console {
     }
 
     /// Plays the list in view; of a replay's own list, what it has played.
-    fn replay(&mut self, now: Instant, speed_permille: u32, profile: String) {
+    fn replay(&mut self, now: Instant, speed_permille: u32, profile: &str) {
         self.end_playback();
         if self.view != View::Replayed {
             self.source = self.view;
@@ -333,6 +334,7 @@ impl Console {
         self.playback = Some(Playback::new(now, speed_permille, first_us, last_us));
         self.replayed = Some(self.new_log(source.epoch_us().unwrap_or(0)));
         self.show(View::Replayed);
+        let profile = Profile::from_json(profile).map(|profile| profile.pack()).unwrap_or_default();
         self.out.order(ToLine::Replay { profile, line, mode });
     }
 

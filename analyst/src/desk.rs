@@ -216,6 +216,8 @@ impl Desk {
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
             held: 0,
             after: Vec::new(),
+            start_us: self.transcript.entries().next().and_then(|entry| entry.time_us),
+            epoch_us: self.epoch_us(),
         }
     }
 

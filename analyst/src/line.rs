@@ -48,8 +48,8 @@ pub enum ToLine {
     Break(u32),
     /// Begin a replay under this profile: whatever port is open is closed.
     Replay {
-        /// The device's profile, as the text of its file; empty for none.
-        profile: String,
+        /// The device's profile, packed; empty for none.
+        profile: Vec<u8>,
         /// Settings that the recording was made with.
         line: LineSettings,
         /// RTU or ASCII.
