@@ -150,6 +150,7 @@ impl Console {
 
     /// Back to the log of the line.
     pub(super) fn go_live(&self) {
+        self.desk.statistics.set(None);
         BROUGHT.with_borrow_mut(|kept| *kept = JsValue::UNDEFINED);
         self.brought.set(None);
         self.unreadable.set(None);
@@ -172,6 +173,7 @@ impl Console {
         }
         let speed_permille = self.speed.with_untracked(|text| text.parse().unwrap_or(1000));
         self.replayed.set(true);
+        self.desk.statistics.set(None);
         self.desk.choose(NOTHING);
         self.desk.follow.set(true);
         self.tell(ToConsole::Replay { speed_permille, profile: self.profile_text() });
