@@ -215,6 +215,8 @@ impl Desk {
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
             held: place(self.transcript.end() - end),
             after: if self.held_from.is_none() { after.collect() } else { Vec::new() },
+            start_us: self.transcript.entries().next().and_then(|entry| entry.time_us),
+            epoch_us: self.epoch_us(),
         }
     }
 

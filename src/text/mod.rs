@@ -5,6 +5,7 @@
 
 mod anatomy;
 mod builder;
+mod console;
 mod decoder;
 mod desk;
 mod diagnosis;
@@ -89,9 +90,19 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, anatomy::ALL, diagnosis::ALL, desk::ALL, builder::ALL]
-            .into_iter()
-            .flatten()
+        [
+            shell::ALL,
+            live::ALL,
+            faults::ALL,
+            decoder::ALL,
+            anatomy::ALL,
+            diagnosis::ALL,
+            desk::ALL,
+            builder::ALL,
+            console::ALL,
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// The text without its `{arguments}`.
