@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::LivePage;
 use crate::testbed::{Browser, site};
 
 /// The Console page in a browser.
@@ -33,6 +34,13 @@ impl<'a> ConsolePage<'a> {
     /// Waits until the line is `open`, `simulated`, `replay` or `closed`.
     pub async fn wait_for_line(&self, state: &str) {
         self.browser.wait_for(&format!("document.querySelector('[data-test=line-state][data-state={state}]')")).await;
+    }
+
+    /// Connects by the card above the page, only to listen.
+    pub async fn connect_listening(&self) {
+        self.browser.fill("period", "0").await;
+        self.browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
+        self.browser.click("connect").await;
     }
 
     /// Types a line and sends it.
@@ -295,6 +303,78 @@ impl<'a> ConsolePage<'a> {
     /// Back to the log of the line.
     pub async fn go_live(&self) {
         self.browser.click("back-to-live").await;
+    }
+
+    /// Waits until the list has taken in so many entries, however long it takes as long as more come.
+    pub async fn wait_for_all(&self, count: u32) {
+        let mut least = 0;
+        while least < count {
+            least = (least + 20_000).min(count);
+            self.wait_for_count_at_least(least).await;
+        }
+        self.wait_for_count(&count.to_string()).await;
+    }
+
+    /// Waits until the list is held still with so many entries behind it.
+    pub async fn wait_for_held(&self, count: u32) {
+        let text = "document.querySelector('[data-test=pause]').innerText.replace(/\\D/g, '')";
+        self.browser.wait_for(&format!("{text} === '{count}'")).await;
+    }
+
+    /// Waits until the entry in the last row is the one with this number, counted from 1.
+    pub async fn wait_for_number(&self, number: u32) {
+        let cells = "[...document.querySelectorAll('[data-test=console-row] .cell-number')]";
+        let text = format!("{cells}.some((cell) => cell.textContent.replace(/\\D/g, '') === '{number}')");
+        self.browser.wait_for(&text).await;
+    }
+
+    /// Waits until what was sent last has ended, in whatever way.
+    pub async fn wait_for_ended(&self) {
+        self.browser.wait_for("document.querySelector('[data-test=send-result]')?.dataset.end").await;
+    }
+
+    /// Waits until what is repeated was sent so many times.
+    pub async fn wait_for_repetitions(&self, times: u32) {
+        let text = "document.querySelector('[data-test=send-result]').innerText.replace(/\\u202f/g, '')";
+        self.browser.wait_for(&format!("(parseInt({text}.match(/(\\d+)\\s*[×x]/)?.[1] ?? '0')) >= {times}")).await;
+    }
+
+    /// Waits until nothing has come into the list for half a second.
+    pub async fn wait_for_quiet(&self) {
+        let count = "document.querySelector('[data-test=frame-count]')?.innerText";
+        let quiet = format!(
+            "let last, since = performance.now();
+             const look = setInterval(() => {{
+               const now = {count};
+               if (now !== last) {{ last = now; since = performance.now(); }}
+               else if (performance.now() - since > 500) {{ clearInterval(look); done(true); }}
+             }}, 25);"
+        );
+        self.browser.run_async(&quiet).await;
+    }
+
+    /// Waits until this element has the focus.
+    pub async fn wait_for_focus(&self, name: &str) {
+        self.browser.wait_for(&format!("document.activeElement?.dataset.test === {name:?}")).await;
+    }
+
+    /// Types, wherever the focus is.
+    pub async fn type_keys(&self, text: &str) {
+        for character in text.chars() {
+            self.press(&[character.to_string().as_str()]).await;
+        }
+    }
+
+    /// Presses a key in a field.
+    pub async fn press_in(&self, field: &str, key: &str) {
+        self.browser.run(&format!("document.querySelector('[data-test={field}]').focus()")).await;
+        self.press(&[key]).await;
+    }
+
+    /// Goes to the Live page by the rail, as a user does.
+    pub async fn go_to_live(&self) -> LivePage<'a> {
+        self.browser.run("location.hash = '#/live'").await;
+        LivePage::open(self.browser).await
     }
 
     /// Presses keys wherever the focus is, one after the other, as `Enter` or `a`.
