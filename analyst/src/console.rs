@@ -3,13 +3,15 @@
 //!
 //! In: [`Console::hear`], [`Console::hear_line`], [`Console::handle_time`]. After any of them call [`Console::work`] until
 //! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_news`], [`Console::poll_progress`],
-//! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they are the engine's.
+//! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they
+//! are the engine's.
 //!
 //! There are up to three lists: the log of the line, a text that was brought in, and what a replay has brought forth. One
 //! of them is in view; the line's log goes on whatever is in view.
 
 mod outbox;
 mod playback;
+mod running;
 mod sends;
 
 use std::collections::VecDeque;
@@ -26,6 +28,7 @@ use crate::line::{End, FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, Statistics, ToConsole};
 use outbox::Outbox;
 use playback::Playback;
+use running::{Running, Wish};
 use sends::Sends;
 
 /// Notes that are taken into a list before somebody else is listened to.
@@ -34,8 +37,15 @@ const NOTES: usize = 1024;
 const NEWS_PERIOD: Duration = Duration::from_millis(60);
 /// Nobody reads counts faster.
 const COUNTS_PERIOD: Duration = Duration::from_secs(1);
-/// When nothing was heard for so long, the line is quiet: what was held back for want of its end is all there is.
-const QUIET: Duration = Duration::from_millis(60);
+/// When nothing was heard for so long, the list is told that time has passed: what was held back for want of its end is all
+/// there is, at some lines only after a while, and what was asked for will not be answered any more.
+const QUIET: [Duration; 5] = [
+    Duration::from_millis(50),
+    Duration::from_millis(150),
+    Duration::from_millis(600),
+    Duration::from_millis(1100),
+    Duration::from_millis(2200),
+];
 
 /// A console, or, while no line is attached to it, a reader of texts.
 pub struct Console {
@@ -58,15 +68,27 @@ pub struct Console {
     edition_base: u32,
     line: Option<LineState>,
     sends: Sends,
+    running: Option<Running>,
     /// Notes that have come and are in no list yet, and whether they are a replay's.
     backlog: VecDeque<(bool, std::vec::IntoIter<Note>)>,
-    /// The last note's time on the engine's clock, when it came, and whether it was a replay's; until the line is settled.
-    unsettled: Option<(u64, Instant, bool)>,
+    silence: Option<Silence>,
     has_news: bool,
     told_at: Option<Instant>,
     has_counts: bool,
     counted_at: Option<Instant>,
     out: Outbox,
+}
+
+/// The time since the last note.
+#[derive(Clone, Copy, Debug)]
+struct Silence {
+    /// The note's time on its own clock.
+    at_us: u64,
+    came: Instant,
+    /// Whether it was a replay's.
+    replay: bool,
+    /// How often its list was told.
+    told: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +116,9 @@ impl Console {
             edition_base: 0,
             line: None,
             sends: Sends::default(),
+            running: None,
             backlog: VecDeque::new(),
-            unsettled: None,
+            silence: None,
             has_news: false,
             told_at: None,
             has_counts: false,
@@ -130,7 +153,16 @@ impl Console {
             ToConsole::Line(order) => self.out.order(order),
             ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, &profile),
             ToConsole::StopReplay => self.end_playback(),
-            ToConsole::Check { .. } | ToConsole::Run { .. } | ToConsole::Stop => {}
+            ToConsole::Check { edition, text, profile } => {
+                running::check(&Wish { edition, text, profile }, &mut self.out);
+            }
+            ToConsole::Run { edition, text, profile, unit } => {
+                self.stop_running(now);
+                let wish = Wish { edition, text, profile };
+                self.running = Running::begin(now, &wish, unit, self.line.as_ref(), &mut self.out);
+                self.drain_running(now);
+            }
+            ToConsole::Stop => self.stop_running(now),
         }
         self.has_news = true;
     }
@@ -149,14 +181,12 @@ impl Console {
     pub fn handle_time(&mut self, now: Instant) {
         self.sends.handle_time(now, &mut self.out);
         self.play(now);
-        if self.quiet_at().is_some_and(|due| due <= now)
-            && let Some((at_us, came, replay)) = self.unsettled.take()
-        {
-            let elapsed = u64::try_from(now.saturating_since(came).as_micros()).unwrap_or(u64::MAX);
-            if let Some(desk) = self.log_mut(replay) {
-                desk.settle(at_us.saturating_add(elapsed));
-                self.has_news = true;
-            }
+        if let Some(running) = &mut self.running {
+            running.handle_time(now);
+        }
+        self.drain_running(now);
+        if self.quiet_at().is_some_and(|due| due <= now) {
+            self.settle(now);
         }
     }
 
@@ -211,7 +241,8 @@ impl Console {
         let news = self.has_news.then(|| self.told_at.map_or(Instant::ZERO, |told_at| told_at + NEWS_PERIOD));
         let counts = self.has_counts.then(|| self.counted_at.map_or(Instant::ZERO, |told_at| told_at + COUNTS_PERIOD));
         let playback = self.playback.as_ref().and_then(Playback::due);
-        [self.sends.due(), playback, self.quiet_at(), news, counts].into_iter().flatten().min()
+        let running = self.running.as_ref().and_then(Running::due);
+        [self.sends.due(), running, playback, self.quiet_at(), news, counts].into_iter().flatten().min()
     }
 
     /// The list in view.
@@ -274,7 +305,7 @@ impl Console {
     fn hear_notes(&mut self, now: Instant, notes: Vec<Note>) {
         let replay = self.line.as_ref().is_some_and(|line| line.replay);
         if let Some(last) = notes.last() {
-            self.unsettled = Some((last.at_us, now, replay));
+            self.silence = Some(Silence { at_us: last.at_us, came: now, replay, told: 0 });
         }
         if replay {
             if let Some(playback) = &mut self.playback {
@@ -287,7 +318,12 @@ impl Console {
 
     fn hear_end(&mut self, now: Instant, id: u32, outcome: &Outcome) {
         let mode = self.line.as_ref().map_or(Mode::Rtu, |line| line.mode);
-        self.sends.done(now, id, outcome, mode, &mut self.out);
+        if !self.sends.done(now, id, outcome, mode, &mut self.out)
+            && let Some(running) = &mut self.running
+            && running.done(now, id, outcome)
+        {
+            self.drain_running(now);
+        }
     }
 
     fn hear_state(&mut self, now: Instant, state: LineState) {
@@ -300,8 +336,12 @@ impl Console {
                 self.out.tell(FromConsole::Replay(Replay::default()));
             }
         }
+        if let Some(running) = &mut self.running {
+            running.hear_state(now, &state);
+        }
         self.line = Some(state.clone());
         self.out.tell(FromConsole::Line(state));
+        self.drain_running(now);
         self.play(now);
     }
 
@@ -385,9 +425,42 @@ impl Console {
         if replay { self.replayed.as_mut() } else { Some(&mut self.live) }
     }
 
-    /// When the line is quiet, if nothing more is heard.
+    fn stop_running(&mut self, now: Instant) {
+        if let Some(running) = &mut self.running {
+            running.stop(now);
+        }
+        self.drain_running(now);
+    }
+
+    fn drain_running(&mut self, now: Instant) {
+        if let Some(running) = &mut self.running
+            && !running.drain(now, &mut self.out)
+        {
+            self.running = None;
+        }
+    }
+
+    /// Tells the list that nothing has been heard for a while.
+    fn settle(&mut self, now: Instant) {
+        let Some(silence) = &mut self.silence else { return };
+        silence.told += 1;
+        let Silence { at_us, came, replay, .. } = *silence;
+        let elapsed = now.saturating_since(came);
+        let elapsed = match &self.playback {
+            Some(playback) if replay => playback.recorded(elapsed),
+            _ => elapsed,
+        };
+        if let Some(desk) = self.log_mut(replay) {
+            desk.settle((Instant::from_micros(at_us) + elapsed).as_micros());
+            self.has_news = true;
+            self.has_counts = true;
+        }
+    }
+
+    /// When the list is to hear that time has passed, if nothing more is heard.
     fn quiet_at(&self) -> Option<Instant> {
-        self.unsettled.filter(|_| self.backlog.is_empty()).map(|(_, came, _)| came + QUIET)
+        let silence = self.silence.filter(|_| self.backlog.is_empty())?;
+        QUIET.get(silence.told).map(|quiet| silence.came + *quiet)
     }
 }
 

@@ -5,7 +5,9 @@
 
 mod console;
 mod desk;
+mod diary;
 mod export;
+mod facts;
 mod filter;
 pub mod line;
 mod look;
@@ -13,6 +15,7 @@ pub mod message;
 mod scale;
 mod statistics;
 mod sums;
+mod timing;
 
 pub use console::Console;
 pub use desk::{Cursor, Desk};

@@ -185,6 +185,11 @@ impl Master {
         self.link.state()
     }
 
+    /// Whether other settings are wanted than those that the port is open with. It is closed before it has them.
+    pub fn is_reconfiguring(&self) -> bool {
+        self.wanted.is_some()
+    }
+
     /// Counts since this master was made.
     pub fn counters(&self) -> Counters {
         self.counters

@@ -168,10 +168,11 @@ fn other_settings_come_between_two_transactions_and_nothing_is_lost() {
     bench.run(Duration::from_millis(10));
     let waits = bench.submit(console(frame(Mode::Rtu, 1, &READ_BAUD), None));
     bench.master.reconfigure(bench.now, other, Mode::Rtu);
+    assert!(bench.master.is_reconfiguring(), "the port is still open with the old ones");
     bench.settle();
     assert!(bench.end_of(changed).result.is_ok(), "what has begun ends with the old settings");
     assert!(bench.end_of(waits).result.is_ok(), "what waits goes on with the new ones");
-    assert_eq!(bench.master.link_state(), LinkState::Open);
+    assert!(bench.master.link_state() == LinkState::Open && !bench.master.is_reconfiguring());
     let polls = bench.run(Duration::from_secs(1));
     assert!(polls.iter().filter(|exchange| micrometres(exchange) == Some(-328)).count() >= 8, "{polls:?}");
 }

@@ -279,7 +279,8 @@ fn hex(out: &mut String, bytes: &[u8]) {
     out.push('"');
 }
 
-fn string(out: &mut String, text: &str) {
+/// Writes a text as JSON does: between quotes, escaped where it must be.
+pub fn string(out: &mut String, text: &str) {
     out.push('"');
     for character in text.chars() {
         match character {

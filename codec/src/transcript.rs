@@ -210,6 +210,21 @@ impl Transcript {
         self.entries.get(index)
     }
 
+    /// Number of the first kept entry that begins at a place of the stream or behind it; the number behind the last entry
+    /// for the place where the next one begins. `None` beyond that.
+    pub fn entry_at(&self, place: u64) -> Option<usize> {
+        let behind = self.entries.stream_len();
+        if place >= behind {
+            return (place == behind).then_some(self.end());
+        }
+        let (mut low, mut high) = (self.first(), self.end());
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.entries.at(middle).offset < place { low = middle + 1 } else { high = middle }
+        }
+        Some(low)
+    }
+
     /// Frames and noise that are kept, in order and without gaps.
     pub fn entries(&self) -> impl ExactSizeIterator<Item = Entry> + DoubleEndedIterator + '_ {
         (self.first()..self.end()).map(|index| self.entries.at(index))

@@ -146,6 +146,6 @@ pub enum Expected {
     Failure,
     /// `times`.
     Times,
-    /// `trip`.
-    Trip,
+    /// `crc` or `lrc`; behind a request `check`.
+    Check,
 }

@@ -2,12 +2,25 @@
 //! clock, and its report.
 
 mod fault;
+mod lex;
+mod meaning;
+mod parse;
+mod pattern;
+mod print;
+mod ready;
 mod report;
+mod run;
+mod script;
 
 pub use fault::{Expected, Fault, FaultKind};
+pub use parse::{MAX_DEPTH, MAX_FAULTS, MAX_STEPS, MAX_TEXT, parse};
+pub use pattern::{MAX_BYTES, Pattern};
+pub use ready::{READY, outline};
 pub use report::{
     Branch, Changes, Compared, Ended, Entry, Exchange, Heard, MAX_ENTRIES, Mark, Reason, Report, Summary, Verdict,
 };
+pub use run::{Line, Order, Run};
+pub use script::Sequence;
 
 use serde::{Deserialize, Serialize};
 

@@ -314,7 +314,9 @@ impl Session {
         self.hear_master(if self.is_replay() { self.clock } else { now }, console);
         let line = &mut console.line;
         line.replay = self.is_replay();
-        line.open = !line.replay && self.master.link_state() == LinkState::Open;
+        // With other settings it is open only when it has them.
+        let in_force = self.master.link_state() == LinkState::Open && !self.master.is_reconfiguring();
+        line.open = !line.replay && in_force;
         line.simulated = self.connection.source == Source::Simulator;
         (line.line, line.mode) = (self.connection.line, self.connection.mode);
         line.polling = self.polling && !line.replay;

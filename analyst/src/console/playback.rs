@@ -136,14 +136,17 @@ impl Playback {
         }
     }
 
+    /// Time of the recording that passes in so much time, at a pace of its own; none where it goes as fast as it can.
+    pub(super) fn recorded(&self, elapsed: Duration) -> Duration {
+        let recorded = elapsed.as_micros() * u128::from(self.speed_permille) / 1000;
+        Duration::from_micros(u64::try_from(recorded).unwrap_or(u64::MAX))
+    }
+
     /// The recording's moment that so much later is now.
     fn moment(&self, elapsed: Duration) -> u64 {
         match self.speed_permille {
             0 => u64::MAX,
-            speed => {
-                let recorded = elapsed.as_micros() * u128::from(speed) / 1000;
-                self.first_us.saturating_add(u64::try_from(recorded).unwrap_or(u64::MAX))
-            }
+            _ => (Instant::from_micros(self.first_us) + self.recorded(elapsed)).as_micros(),
         }
     }
 }

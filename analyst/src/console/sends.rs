@@ -6,6 +6,7 @@ use buslens_bus::record::Origin;
 use buslens_bus::time::Instant;
 use buslens_codec::ascii;
 use buslens_codec::line::Mode;
+use buslens_sequence::Pattern;
 
 use super::outbox::Outbox;
 use crate::line::{End, Outcome, ToLine};
@@ -24,6 +25,7 @@ pub(super) struct Sends {
 #[derive(Debug)]
 struct Round {
     sending: Sending,
+    pattern: Option<Pattern>,
     /// The engine's number of what it has not answered yet.
     asked: Option<u32>,
     /// When the present exchange should have begun; the next one is counted from there.
@@ -42,11 +44,15 @@ struct Round {
 impl Sends {
     /// Begins to send. Something that is repeated takes the place of whatever was repeated before.
     pub(super) fn begin(&mut self, now: Instant, sending: Sending, out: &mut Outbox) {
-        if sending
-            .repeat
-            .as_ref()
-            .is_some_and(|repeat| repeat.times == Some(0) || matches!(repeat.until, Until::Heard(_)))
-        {
+        let pattern = match sending.repeat.as_ref().map(|repeat| &repeat.until) {
+            Some(Until::Heard(text)) => match Pattern::parse(text) {
+                Ok(pattern) => Some(pattern),
+                // Nothing would ever end it: it does not begin.
+                Err(_) => return refuse(&sending, End::Withdrawn, out),
+            },
+            _ => None,
+        };
+        if sending.repeat.as_ref().is_some_and(|repeat| repeat.times == Some(0)) {
             return refuse(&sending, End::Withdrawn, out);
         }
         if sending.repeat.is_some() {
@@ -54,6 +60,7 @@ impl Sends {
         }
         let mut round = Round {
             sending,
+            pattern,
             asked: None,
             begun: now,
             next: None,
@@ -154,7 +161,7 @@ impl Round {
                 let heard = matches!(outcome.end, End::Answered | End::Heard).then_some(&outcome.heard);
                 heard.is_some_and(|heard| self.first_heard.get_or_insert_with(|| heard.clone()) != heard)
             }
-            Until::Heard(_) => true,
+            Until::Heard(_) => self.pattern.as_ref().is_some_and(|pattern| pattern.matches(&outcome.heard, None)),
         };
         !met && repeat.times.is_none_or(|times| self.times < times)
     }

@@ -133,7 +133,10 @@ fn files_of_the_list_hold_what_is_shown() {
     while desk.work(100) {}
     assert_eq!(export(&desk, Format::Hex), "TX: 07 04 00 02 00 04 50 6F\nRX: 07 84 02 22 C0\n");
     let csv = export(&desk, Format::Csv);
-    assert_eq!(csv.lines().nth(2), Some("5,38,6,36002020000,frame,rtu,response,7,4,ok,4,07840222C0,exception"));
+    assert_eq!(
+        csv.lines().nth(2),
+        Some("5,38,6,36002020000,frame,rtu,response,7,4,ok,4,07840222C0,exception,,20000,20000,")
+    );
     assert!(export(&desk, Format::JsonLines).lines().all(|line| line.contains("\"unit\":7")));
 }
 

@@ -23,7 +23,7 @@ impl Browser {
     /// What the page that is open and its workers hold.
     pub fn held_bytes(&self) -> Held {
         let mut tools = DeveloperTools::connect(self);
-        let targets = tools.call(None, "Target.getTargets", json!({}));
+        let targets = tools.call(None, "Target.getTargets", &json!({}));
         let targets = targets["targetInfos"].as_array().cloned().unwrap_or_default();
         let ours = targets.iter().filter(|target| {
             let address = target["url"].as_str().unwrap_or_default();
@@ -32,20 +32,21 @@ impl Browser {
         let mut held = Held::default();
         for target in ours {
             let attached = json!({ "targetId": target["targetId"], "flatten": true });
-            let attached = tools.call(None, "Target.attachToTarget", attached);
+            let attached = tools.call(None, "Target.attachToTarget", &attached);
             let session = attached["sessionId"].as_str().expect("a target takes a session").to_owned();
             let session = Some(session.as_str());
-            tools.call(session, "HeapProfiler.collectGarbage", json!({}));
-            held.heaps += tools.call(session, "Runtime.getHeapUsage", json!({}))["usedSize"].as_f64().unwrap_or(0.0);
-            let kind = tools.call(session, "Runtime.evaluate", json!({ "expression": "WebAssembly.Memory.prototype" }));
+            tools.call(session, "HeapProfiler.collectGarbage", &json!({}));
+            held.heaps += tools.call(session, "Runtime.getHeapUsage", &json!({}))["usedSize"].as_f64().unwrap_or(0.0);
+            let kind =
+                tools.call(session, "Runtime.evaluate", &json!({ "expression": "WebAssembly.Memory.prototype" }));
             let all = json!({ "prototypeObjectId": kind["result"]["objectId"] });
-            let all = tools.call(session, "Runtime.queryObjects", all);
+            let all = tools.call(session, "Runtime.queryObjects", &all);
             let sum = json!({
                 "objectId": all["objects"]["objectId"],
                 "functionDeclaration": "function() { return this.reduce((sum, { buffer }) => sum + buffer.byteLength, 0); }",
                 "returnByValue": true,
             });
-            held.wasm += tools.call(session, "Runtime.callFunctionOn", sum)["result"]["value"].as_f64().unwrap_or(0.0);
+            held.wasm += tools.call(session, "Runtime.callFunctionOn", &sum)["result"]["value"].as_f64().unwrap_or(0.0);
         }
         held
     }
@@ -68,7 +69,7 @@ impl DeveloperTools {
         Self { socket, last: 0 }
     }
 
-    fn call(&mut self, session: Option<&str>, method: &str, params: Value) -> Value {
+    fn call(&mut self, session: Option<&str>, method: &str, params: &Value) -> Value {
         self.last += 1;
         let mut call = json!({ "id": self.last, "method": method, "params": params });
         if let Some(session) = session {

@@ -78,6 +78,8 @@ struct State<F> {
     injected: Vec<u8>,
     /// Bytes that the browser has had no room for yet.
     unsent: Vec<u8>,
+    /// Everything that has reached the browser, from when it was asked for.
+    delivered: Option<Vec<u8>>,
 }
 
 impl<F> Shared<F> {
@@ -105,6 +107,7 @@ impl<F: FarEnd> Wire<F> {
             sent: Vec::new(),
             injected: Vec::new(),
             unsent: Vec::new(),
+            delivered: None,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), origin: Clock::now() });
         let (waker, bell) = UnixStream::pair().expect("a socket pair");
@@ -163,6 +166,16 @@ impl<F: FarEnd> Wire<F> {
     /// Everything that the browser has sent.
     pub fn sent(&self) -> Vec<u8> {
         self.shared.lock().sent.clone()
+    }
+
+    /// From now on keeps what reaches the browser.
+    pub fn keep_delivered(&self) {
+        self.shared.lock().delivered = Some(Vec::new());
+    }
+
+    /// Everything that has reached the browser since [`Self::keep_delivered`].
+    pub fn delivered(&self) -> Vec<u8> {
+        self.shared.lock().delivered.clone().unwrap_or_default()
     }
 
     /// Waits until what the browser has sent since byte `from` fulfils `wanted`.
@@ -250,7 +263,12 @@ fn advance<F: FarEnd>(state: &mut State<F>, pty: &Pty, now: Instant) {
     }
     if !state.unsent.is_empty() {
         match (&pty.master).write(&state.unsent) {
-            Ok(count) => drop(state.unsent.drain(..count)),
+            Ok(count) => {
+                let written = state.unsent.drain(..count);
+                if let Some(delivered) = &mut state.delivered {
+                    delivered.extend(written);
+                }
+            }
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
             // With nobody at the other end the bytes are lost, as on a line.
             Err(_) => state.unsent.clear(),

@@ -1,6 +1,5 @@
 //! The Console page, against a pty on which others talk, and against a replay.
 
-use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use buslens_tests::pages::ConsolePage;
@@ -21,7 +20,7 @@ pub(crate) async fn measure(site: &str) {
     bench.browser.open("about:blank").await;
     let blank = bench.adapter.resident_bytes();
     let page = ConsolePage::open_at(&bench.browser, site).await;
-    page.listen_only().await;
+    page.connect_listening().await;
     page.wait_for_line("open").await;
     watch(&bench).await;
     minute(&bench, &page).await;
@@ -57,8 +56,8 @@ async fn minute(bench: &Bench<Chatter>, page: &ConsolePage<'_>) {
     while bench.wire().with(|others, _| !others.is_done()) {
         // Half of the time in the send line, then in the filter: there each key sifts the whole list anew.
         let field = if begin.elapsed() < Duration::from_secs(30) { "send-line" } else { "filter-text" };
-        let key = if keys.is_multiple_of(2) { "0" } else { "\u{E003}" };
-        bench.browser.press(field, key).await;
+        let key = if keys.is_multiple_of(2) { "0" } else { "Backspace" };
+        page.press_in(field, key).await;
         keys += 1;
         next += KEYS;
         tokio::time::sleep(next.saturating_duration_since(Instant::now())).await;
@@ -66,11 +65,17 @@ async fn minute(bench: &Bench<Chatter>, page: &ConsolePage<'_>) {
     let said = bench.wire().with(|others, _| others.count());
     let told = format!("{}", begin.elapsed().as_secs());
     bench.browser.fill("filter-text", "").await;
-    page.wait_for_entries(said).await;
+    page.wait_for_count(&said.to_string()).await;
     let latencies = bench.browser.run("return latencies").await;
-    let latencies: Vec<f64> = latencies.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
+    let latencies: Vec<f64> =
+        latencies.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
     row(&format!("2000 frames/s: written in {told} s"), f64::from(said), "", "");
-    row("2000 frames/s: missing in the list", f64::from(said) - f64::from(page.entries().await), "", "0");
+    row(
+        "2000 frames/s: missing in the list",
+        f64::from(said) - page.count().await.parse().unwrap_or(f64::NAN),
+        "",
+        "0",
+    );
     row("2000 frames/s: 95th percentile from key to paint", percentile(&latencies, 95), "ms", "100 ms");
     row("2000 frames/s: longest task of the window", number(bench, "longest").await, "ms", "");
 }
@@ -80,7 +85,7 @@ async fn million(bench: &Bench<Chatter>, page: &ConsolePage<'_>, blank: f64) {
     let said = bench.wire().with(|others, _| others.count());
     let begin = Instant::now();
     bench.wire().with(|others, now| others.talk(now, (MILLION - said) / 2, None));
-    page.wait_long_for_entries(MILLION).await;
+    page.wait_for_all(MILLION).await;
     let per_second = f64::from(MILLION - said) / begin.elapsed().as_secs_f64();
     row("as fast as the port gives them: frames a second", per_second, "", "");
     let frames = scrolled(&bench.browser).await;
@@ -97,24 +102,22 @@ async fn million(bench: &Bench<Chatter>, page: &ConsolePage<'_>, blank: f64) {
 /// A recording with 10 000 frames a second, played at its own speed.
 async fn burst(bench: &Bench<Chatter>, page: &ConsolePage<'_>) {
     const FRAMES: u32 = 100_000;
-    let mut make = String::new();
-    write!(
-        make,
-        "const lines = [];
-         for (let at = 0; at < {FRAMES}; at += 2) {{
-           const time = (at) => `00:00:${{String(Math.floor(at / 10000)).padStart(2, '0')}}.${{String(at % 10000).padStart(4, '0')}}00`;
-           lines.push(`${{time(at)}} TX 01 04 00 02 00 04 50 09`, `${{time(at + 1)}} RX 01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1`);
-         }}
-         globalThis.recording = lines.join('\\n');"
-    )
-    .expect("a string takes text");
-    bench.browser.run(&make).await;
-    page.drop_file("burst.log", "recording").await;
-    page.wait_for_entries(FRAMES).await;
+    let line = |at: u32| {
+        let (second, rest) = (at / 10_000, at % 10_000);
+        let frame = if at.is_multiple_of(2) {
+            "TX 01 04 00 02 00 04 50 09"
+        } else {
+            "RX 01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1"
+        };
+        format!("00:00:{second:02}.{rest:04}00 {frame}\n")
+    };
+    let recording: String = (0..FRAMES).map(line).collect();
+    page.drop_file("burst.log", &recording).await;
+    page.wait_for_count(&FRAMES.to_string()).await;
     bench.browser.run("longest = 0").await;
     let begin = Instant::now();
-    page.replay("1000").await;
-    page.wait_for_entries(FRAMES).await;
+    page.replay(1000).await;
+    page.wait_for_count(&FRAMES.to_string()).await;
     row("10 000 frames/s played: 10 s took", begin.elapsed().as_secs_f64(), "s", "");
     row("10 000 frames/s played: longest task of the window", number(bench, "longest").await, "ms", "50 ms");
 }

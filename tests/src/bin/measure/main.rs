@@ -1,152 +1,63 @@
-//! Measures what a user feels on the Decoder page, in the real browser: `measure <address of the site>`. Each figure stands
-//! beside its target; nothing fails by time here, because a busy machine is no fault of the page.
+//! Measures what a user feels, in the real browser: `measure <address of the site> [page]`. Each figure stands beside its
+//! target; nothing fails by time here, because a busy machine is no fault of the page.
+
+mod console;
+mod decoder;
 
 use std::env;
-use std::time::Instant;
 
-use buslens_analyst::Desk;
-use buslens_analyst::message::{ProfileChoice, ToAnalyst};
-use buslens_bus::sim::{Line, Lvdt, Motion};
-use buslens_tests::pages::DecoderPage;
-use buslens_tests::testbed::{Bench, Look, Wire};
-
-/// An exchange as a line-by-line log of bare bytes, 63 characters.
-const EXCHANGE: &str = "01 04 00 02 00 04 50 09\n01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1\n";
-const EXCHANGES: usize = 166_000;
+use buslens_tests::testbed::Browser;
 
 #[tokio::main]
 async fn main() {
-    let site = env::args().nth(1).expect("measure <address of the site>");
-    let line = Line::new([Lvdt::new(1, Motion::Swing)], 1);
-    let bench = Bench::at(&site, Wire::new(line), Look::default()).await;
-    let page = DecoderPage::open_at(&bench.browser, &site).await;
-    println!("{:<52}{:>12}{:>14}", "Decoder page", "measured", "target");
-    pasted_text(&bench, &page).await;
-    scrolled_list(&bench, &page).await;
-    large_file(&bench, &page).await;
+    let site = env::args().nth(1).expect("measure <address of the site> [decoder|console]");
+    let only = env::args().nth(2);
+    let is_wanted = |page: &str| only.as_deref().is_none_or(|only| only == page);
+    if is_wanted("decoder") {
+        title("Decoder page");
+        decoder::measure(&site).await;
+    }
+    if is_wanted("console") {
+        title("Console page");
+        console::measure(&site).await;
+    }
+}
+
+fn title(page: &str) {
+    println!("{page:<62}{:>12}{:>14}", "measured", "target");
 }
 
 fn row(name: &str, measured: f64, unit: &str, target: &str) {
-    println!("{name:<52}{:>12}{target:>14}", format!("{measured:.1} {unit}"));
+    println!("{name:<62}{:>12}{target:>14}", format!("{measured:.1} {unit}"));
 }
 
-/// Ten megabytes of pasted text.
-async fn pasted_text(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
-    // The page's own program is warm: what is measured is the text.
-    page.paste(EXCHANGE).await;
-    page.rows(2).await;
-    bench
-        .browser
-        .run(
-            "globalThis.longest = 0; globalThis.firstRow = 0; globalThis.all = 0;
-             new PerformanceObserver((list) => list.getEntries().forEach((task) => longest = Math.max(longest, task.duration)))
-               .observe({ type: 'longtask' });
-             const look = () => {
-               const count = document.querySelector('[data-test=frame-count]')?.textContent.replace(/\\D/g, '') ?? '';
-               const drawn = document.querySelectorAll('[data-test=frame-row]').length;
-               if (!firstRow && count.length > 2 && drawn > 10) firstRow = performance.now();
-               if (!all && count === '332000') all = performance.now();
-               if (!all) requestAnimationFrame(look);
-             };
-             requestAnimationFrame(look);",
-        )
-        .await;
-    let text = format!("{EXCHANGE:?}.repeat({EXCHANGES})");
-    let pasted = page.paste_expression(&text).await;
-    let all = bench.browser.wait_for("globalThis.all").await.as_f64().expect("a time");
-    let first = bench.browser.run("return firstRow").await.as_f64().expect("a time");
-    let longest = bench.browser.run("return longest").await.as_f64().expect("a time");
-    row("10 MB pasted: first rows on screen", first - pasted, "ms", "300 ms");
-    row("10 MB pasted: all of it", all - pasted, "ms", "2000 ms");
-    row("10 MB pasted: longest task of the page", longest, "ms", "50 ms");
-    let (native, worker) = (native_reading(), worker_reading(bench).await);
-    row("10 MB read by the analyst, natively", native, "ms", "");
-    row("10 MB read by the analyst, in the browser", worker, "ms", "");
-    row("browser against native", worker / native, "x", "2.5 x");
+/// The value below which so many hundredths of the values lie.
+fn percentile(values: &[f64], hundredths: usize) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = sorted.len() * hundredths / 100;
+    sorted.get(place.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
 }
 
-/// The analyst's work in a worker that nobody looks at, in milliseconds: the best of five.
-async fn worker_reading(bench: &Bench<Line<Lvdt>>) -> f64 {
-    let read = ToAnalyst::Read { reading: 1, form: None, keep: false };
-    let read = postcard::to_allocvec(&read).expect("a message");
-    // The first field of the answers tells progress from the rest; its fields are whole numbers, then whether it is over.
-    let script = format!(
-        "const text = {EXCHANGE:?}.repeat({EXCHANGES});
-         const worker = new Worker(buslensAnalyst, {{ type: 'module' }});
-         const times = [];
-         let start;
-         const begin = () => {{ start = performance.now(); worker.postMessage([new Uint8Array({read:?}), text]); }};
-         worker.onmessage = ({{ data: [bytes] }}) => {{
-           if (bytes[0] !== 0) return;
-           let at = 1;
-           for (let field = 0; field < 3; field++) {{ while (bytes[at++] & 128); }}
-           if (bytes[at] !== 1 || start === undefined) return;
-           times.push(performance.now() - start);
-           start = undefined;
-           if (times.length < 5) setTimeout(begin, 300);
-           else {{ worker.terminate(); done(Math.min(...times)); }}
-         }};
-         begin();"
-    );
-    bench.browser.run_async(&script).await.as_f64().expect("a time")
-}
-
-/// The analyst's work on the same text on this machine, in milliseconds: the best of five.
-fn native_reading() -> f64 {
-    let text = EXCHANGE.repeat(EXCHANGES);
-    let once = || {
-        let mut desk = Desk::new();
-        desk.choose(ProfileChoice::Auto);
-        let start = Instant::now();
-        desk.begin(1, None, text.len() as u64);
-        for part in text.as_bytes().chunks(256 << 10) {
-            desk.push(std::str::from_utf8(part).expect("plain text"), part.len() as u64);
-        }
-        desk.finish();
-        start.elapsed().as_secs_f64() * 1000.0
-    };
-    (0..5).map(|_| once()).fold(f64::INFINITY, f64::min)
-}
-
-/// A million rows, scrolled for some seconds.
-async fn scrolled_list(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
-    bench.browser.click("close-document").await;
-    page.drop_file("million.txt", "'0104000200045009\\n'.repeat(1e6)").await;
-    page.wait_for_entries("1000000").await;
-    bench.browser.wait_for("document.querySelector('[data-test=statistics]')").await;
-    let frames = bench
-        .browser
+/// Scrolls the list for some seconds at several speeds, up to a hundred thousand pixels a frame; the time of each frame in
+/// milliseconds.
+async fn scrolled(browser: &Browser) -> Vec<f64> {
+    let frames = browser
         .run_async(
             "const frame = document.querySelector('.list-frame');
              const times = [];
              let last = performance.now(), speed = 37;
+             frame.scrollTop = 0;
              const step = (now) => {
                times.push(now - last);
                last = now;
                frame.scrollTop += speed;
                if (times.length % 60 === 0) speed = speed === 37 ? 997 : speed === 997 ? 100003 : 37;
                if (times.length < 600) requestAnimationFrame(step);
-               else done(times.slice(5).sort((a, b) => a - b));
+               else done(times.slice(5));
              };
              requestAnimationFrame(step);",
         )
         .await;
-    let frames: Vec<f64> = frames.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
-    let at = |part: f64| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-        let place = (frames.len() as f64 * part) as usize;
-        frames.get(place.min(frames.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
-    };
-    row("1 000 000 rows scrolled: median frame", at(0.5), "ms", "");
-    row("1 000 000 rows scrolled: 99th percentile frame", at(0.99), "ms", "20 ms");
-}
-
-/// A file of 200 MB.
-async fn large_file(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
-    bench.browser.click("close-document").await;
-    let start = Instant::now();
-    page.drop_file("large.log", "...Array(84).fill('01 03 00 31 00 01 D5 C5\\n'.repeat(1e5))").await;
-    page.wait_for_entries("8400000").await;
-    row("200 MB dropped: all of it", start.elapsed().as_secs_f64(), "s", "");
-    bench.browser.click("close-document").await;
+    frames.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
 }
