@@ -11,7 +11,7 @@ use buslens_codec::pdu::{Request, Response};
 use buslens_codec::rtu;
 
 /// Exchanges, each of a request and a reply.
-const EXCHANGES: u64 = 1_000_000;
+const EXCHANGES: u32 = 1_000_000;
 /// Exchanges between two looks at the clock.
 const BLOCK: usize = 125;
 
@@ -42,10 +42,11 @@ fn run(name: &str, portion: usize, filter: &Filter) -> Desk {
     let line = LineSettings::new(1_000_000, Parity::None);
     desk.record(&[Note { at_us: 0, what: What::Opened(line, Mode::Rtu) }]);
     let (clock, mut spent, mut longest) = (Instant::now(), 0.0_f64, 0.0_f64);
-    let numbers: Vec<u64> = (0..EXCHANGES).collect();
+    let numbers: Vec<u32> = (0..EXCHANGES).collect();
     for block in numbers.chunks(BLOCK) {
-        let value = |number: u64| u16::try_from(number % 65_536).unwrap_or(0);
-        let notes: Vec<Note> = block.iter().flat_map(|number| exchange(200 * number, value(*number))).collect();
+        let value = |number: u32| u16::try_from(number % 65_536).unwrap_or(0);
+        let notes: Vec<Note> =
+            block.iter().flat_map(|number| exchange(200 * u64::from(*number), value(*number))).collect();
         let begin = seconds(clock);
         for some in notes.chunks(portion) {
             desk.record(some);
@@ -53,7 +54,8 @@ fn run(name: &str, portion: usize, filter: &Filter) -> Desk {
         let took = seconds(clock) - begin;
         (spent, longest) = (spent + took, longest.max(took));
     }
-    let entries = 2.0 * EXCHANGES as f64;
+    let entries = 2.0 * f64::from(EXCHANGES);
+    let footprint = u32::try_from(desk.footprint()).map_or(f64::INFINITY, f64::from);
     let progress = desk.progress();
     println!(
         "{name}: {:.2} M entries/s, {:.2} % of a core at 10 000 frames/s, the slowest {} entries in {:.2} ms; \
@@ -64,8 +66,8 @@ fn run(name: &str, portion: usize, filter: &Filter) -> Desk {
         longest * 1e3,
         progress.entries,
         progress.shown,
-        desk.footprint() as f64 / f64::from(progress.entries),
-        desk.footprint() as f64 / 1e6
+        footprint / f64::from(progress.entries),
+        footprint / 1e6
     );
     desk
 }

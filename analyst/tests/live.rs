@@ -125,6 +125,17 @@ fn a_line_of_nothing_but_faults_fills_no_memory() {
 }
 
 #[test]
+fn a_million_entries_take_less_than_sixty_megabytes() {
+    let mut desk = Desk::live(0);
+    let exchanges = notes(&vec![Act::Exchange(1, 0, vec![7, 8], 1); 50_000]);
+    desk.record(&exchanges);
+    desk.settle(u64::MAX);
+    let entries = desk.progress().entries as usize;
+    assert_eq!(entries, 100_000);
+    assert!(desk.footprint() < 60 * entries, "{} bytes", desk.footprint());
+}
+
+#[test]
 fn pause_holds_the_list_still_and_loses_nothing() {
     let all = notes(&vec![Act::Exchange(1, 0, vec![7], 1); 60]);
     let mut desk = Desk::live(0);
