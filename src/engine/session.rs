@@ -302,7 +302,7 @@ impl Session {
                 if let Some(port) = &self.port {
                     port.write(&transmit.bytes);
                 }
-                console.note(now, What::Sent { origin: transmit.origin, bytes: transmit.bytes });
+                console.note(transmit.at, What::Sent { origin: transmit.origin, bytes: transmit.bytes });
             } else if let Some(length_ms) = self.sends.iter().find_map(|(_, send)| match send {
                 Send::Break(length_ms) => Some(*length_ms),
                 Send::Bytes(_) => None,

@@ -8,6 +8,7 @@ use buslens_codec::{UnitId, ascii, rtu};
 
 use super::expect::{Expected, ascii_lines};
 use crate::record::Origin;
+use crate::time::Instant;
 
 /// Length of an RTU frame that reads: functions 01 to 04 have two words each (application protocol, clause 6.1).
 const READ_ADU_LEN: usize = 8;
@@ -79,6 +80,8 @@ pub struct JobId(pub(super) u64);
 /// Bytes to be sent now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmit {
+    /// Since when the line is theirs: the exchange's time of sending.
+    pub at: Instant,
     /// Who wants it.
     pub origin: Origin,
     /// The bytes; none where the line is only kept free.

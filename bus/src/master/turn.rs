@@ -79,7 +79,7 @@ impl Master {
                 self.report(departure.asker, Exchange::unsent(now, Failure::ReadOnly));
             }
             Ok((bytes, request)) => {
-                self.outgoing = Some(Transmit { origin: departure.origin, bytes: bytes.clone() });
+                self.outgoing = Some(Transmit { at: now, origin: departure.origin, bytes: bytes.clone() });
                 self.begin(now, departure.asker, departure.wait, request, bytes);
             }
             Err(failure) => self.report(departure.asker, Exchange::unsent(now, failure)),
