@@ -82,6 +82,8 @@ pub(crate) struct Desk {
     pub(crate) views_open: RwSignal<bool>,
     /// The entry that is chosen once the whole list is shown again.
     wanted: StoredValue<Option<u32>>,
+    /// The entry that is to be brought in sight.
+    sought: StoredValue<Option<u32>>,
     rows: StoredValue<Pages>,
     reading: StoredValue<u32>,
     collecting: StoredValue<Option<Collecting>>,
@@ -134,6 +136,7 @@ impl Desk {
             shown: RwSignal::new(String::new()),
             views_open: RwSignal::new(false),
             wanted: StoredValue::new(None),
+            sought: StoredValue::new(None),
             rows: StoredValue::new(Pages::default()),
             reading: StoredValue::new(0),
             collecting: StoredValue::new(None),
@@ -152,6 +155,23 @@ impl Desk {
         }
         let first = self.progress.with_untracked(|progress| progress.first);
         self.choose(index.saturating_sub(first));
+        self.follow.set(false);
+        self.sought.set_value(Some(index));
+    }
+
+    /// The place of the entry that was gone to, once its row is there.
+    fn sought(&self) -> Option<u32> {
+        let wanted = self.sought.get_value()?;
+        let at = self.chosen.get_untracked();
+        if at == NOTHING {
+            return None;
+        }
+        self.want(at..at + 1);
+        let found = self.with_row(at, |row| row.index) == Some(wanted);
+        found.then(|| {
+            self.sought.set_value(None);
+            at
+        })
     }
 
     /// Shows everything.
@@ -172,10 +192,10 @@ impl Desk {
     /// Tells the analyst which profile names the values.
     pub(crate) fn send_profile(&self) {
         let file = |id: &str| ProfileChoice::File(device::find(id).source().to_owned());
-        let choice = self.profile.with(|id| match id.as_str() {
+        let choice = self.profile.with_untracked(|id| match id.as_str() {
             AUTO => ProfileChoice::Auto,
             NO_PROFILE => ProfileChoice::None,
-            CONNECTED => self.connected.with(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
+            CONNECTED => self.connected.with_untracked(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
             id => file(id),
         });
         self.analyst.send(&ToAnalyst::Profile(choice));
@@ -200,6 +220,7 @@ impl Desk {
     pub(crate) fn send_filter(&self) {
         let wanted = self.wanted.try_update_value(Option::take).flatten();
         let first = self.progress.with_untracked(|progress| progress.first);
+        self.sought.set_value(wanted);
         self.choose(match wanted {
             Some(index) => index.saturating_sub(first),
             None if self.is_live() => NOTHING,

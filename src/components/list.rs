@@ -32,6 +32,8 @@ pub(crate) struct Source {
     pub(crate) draw: Box<dyn Fn(u32) -> Option<El>>,
     /// Told which rows will be looked at.
     pub(crate) want: Box<dyn Fn(Range<u32>)>,
+    /// The place of a row that is to be brought in sight, once: what was looked for, as soon as it is there.
+    pub(crate) seek: Box<dyn Fn() -> Option<u32>>,
     /// The chosen row; one beyond the last stands for none.
     pub(crate) chosen: RwSignal<u32>,
     /// Of a list that grows, what else it needs.
@@ -128,7 +130,11 @@ pub(crate) fn list(app: &'static Workbench, class: &str, label: Label, head: El,
         }
         app.language.track();
         app.size_turn.track();
-        painter.resize(source.total.get(), source.gone.get());
+        let total = source.total.get();
+        painter.resize(total, source.gone.get());
+        if let Some(row) = (source.seek)() {
+            painter.reveal(row, total);
+        }
         painter.paint();
     });
     el("div").class(&["list ", class].concat()).child(head).child(frame)

@@ -29,7 +29,8 @@ pub(crate) fn console_page(app: &'static Workbench) -> El {
     dom::react(move || {
         let digits = app.to_send.get();
         if !digits.is_empty() {
-            take_bytes(app, &digits);
+            // What stands in the line must not bring the bytes back.
+            untrack(|| take_bytes(app, &digits));
             route::forget_send();
         }
     });
