@@ -89,6 +89,18 @@ epoch 1714557693000000
 }
 
 #[test]
+fn a_session_of_a_ring_begins_with_what_the_line_was_set_to() {
+    let mut desk = Desk::live(EPOCH_US);
+    desk.set_ring(1000);
+    desk.record(&notes(&vec![Act::Exchange(1, 0, vec![7], 1); 800]));
+    let saved = text(&desk, Format::Session);
+    assert!(desk.progress().first > 0);
+    assert!(saved.starts_with("Buslens session 1\nepoch 1714557693000000\nline 9600 8E1 rtu\n"), "{saved}");
+    assert_eq!(desk.line_at_start(), Some((LINE, Mode::Rtu)));
+    assert_eq!(text(&read(&saved), Format::Session), saved);
+}
+
+#[test]
 fn a_capture_names_its_dissector_and_both_ends() {
     let mut expected = [0xA1B2_C3D4_u32.to_le_bytes(), [2, 0, 4, 0]].concat();
     expected.extend([0_u32, 0, 65_535, 252].map(u32::to_le_bytes).concat());
