@@ -15,7 +15,7 @@ use crate::history::History;
 use crate::link;
 use crate::loader::{self, Loading};
 use crate::message::{Connection, Health, Line, Link, PortId, Source, Status, ToEngine, ToWindow, ToWorkbench};
-use crate::pages::live_page;
+use crate::pages::{connect_above, live_page};
 use crate::route::{self, Page};
 use crate::serial::PickFault;
 use crate::settings::Settings;
@@ -269,7 +269,10 @@ fn build() {
     let content = content.live_one(move || {
         Some(match page.get() {
             Page::Live => live_page(app),
-            page => loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None)),
+            page => {
+                let place = loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None));
+                if page == Page::Console { connect_above(app).child(place) } else { place }
+            }
         })
     });
     mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));

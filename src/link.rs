@@ -39,6 +39,11 @@ pub(crate) fn send(message: &ToEngine) {
     });
 }
 
+/// The worker for the other program in the window.
+pub(crate) fn worker() -> JsValue {
+    WORKER.with_borrow(|worker| worker.clone().map_or(JsValue::UNDEFINED, JsValue::from))
+}
+
 /// Ends the engine at once, which closes its port.
 pub(crate) fn end() {
     WORKER.with(|slot| {

@@ -81,7 +81,8 @@ pub enum FromLine {
 
 /// The line as it is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(clippy::struct_excessive_bools)] // switches and lamps, each on its own
+// Facts that do not exclude each other.
+#[allow(clippy::struct_excessive_bools)]
 pub struct LineState {
     /// Whether bytes can be sent now.
     pub open: bool,

@@ -321,6 +321,10 @@ pub struct Progress {
     pub held: u32,
     /// What has happened to the port since the last entry, in order.
     pub after: Vec<What>,
+    /// Time of the first entry that is kept, in microseconds on the source's clock.
+    pub start_us: Option<u64>,
+    /// Unix time of that clock's origin in microseconds, where it is known.
+    pub epoch_us: Option<u64>,
 }
 
 /// Some rows of the list.

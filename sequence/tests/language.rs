@@ -1,16 +1,20 @@
 //! Texts: what reads as what, and what is told of what does not.
 
+use std::sync::LazyLock;
+
 use buslens_codec::profile::{BUILT_IN, Profile};
 use buslens_sequence::{Caution, Expected, Fault, FaultKind, READY, Sequence, outline, parse};
 use proptest::prelude::*;
 
-fn profile(id: &str) -> Profile {
-    let all = BUILT_IN.iter().map(|text| Profile::from_json(text).unwrap());
-    all.into_iter().find(|profile| profile.id == id).unwrap()
+static PROFILES: LazyLock<Vec<Profile>> =
+    LazyLock::new(|| BUILT_IN.iter().map(|text| Profile::from_json(text).unwrap()).collect());
+
+fn profile(id: &str) -> &'static Profile {
+    PROFILES.iter().find(|profile| profile.id == id).unwrap()
 }
 
 fn lvdt(text: &str) -> Result<Sequence, Vec<Fault>> {
-    parse(text, Some(&profile("lvdt")))
+    parse(text, Some(profile("lvdt")))
 }
 
 /// Column and kind of the one fault of one line.
@@ -240,7 +244,7 @@ fn what_can_cost_something_is_told_before() {
     let cautions = lvdt(text).unwrap();
     let caution = |line, grave| Caution { line, grave };
     assert_eq!(cautions.cautions(), [caution(2, false), caution(4, false), caution(5, true)]);
-    let level = parse("command save\ncommand save = 1", Some(&profile("level"))).unwrap();
+    let level = parse("command save\ncommand save = 1", Some(profile("level"))).unwrap();
     assert_eq!(level.cautions(), [caution(2, true)]);
 }
 
@@ -248,10 +252,23 @@ fn what_can_cost_something_is_told_before() {
 fn the_ready_made_ones_have_no_fault_and_say_what_they_are() {
     for text in READY {
         let (id, title) = outline(text);
-        let sequence = parse(text, Some(&profile(id.unwrap()))).unwrap_or_else(|faults| panic!("{id:?}: {faults:?}"));
+        let sequence = parse(text, Some(profile(id.unwrap()))).unwrap_or_else(|faults| panic!("{id:?}: {faults:?}"));
         assert_eq!((sequence.device(), Some(sequence.title())), (id, title));
         assert!(sequence.cautions().iter().all(|caution| !caution.grave));
     }
+}
+
+#[test]
+fn the_examples_of_the_documentation_have_no_fault() {
+    let text = include_str!("../../docs/sequences.md");
+    let mut examples = 0;
+    for block in text.split("\n```").skip(1).step_by(2) {
+        let known = if block.contains("title") { "" } else { "let before = 1" };
+        let block = [known, block].concat();
+        lvdt(&block).unwrap_or_else(|faults| panic!("{faults:?}\n{block}"));
+        examples += 1;
+    }
+    assert!(examples >= 5);
 }
 
 /// Words of the language and others, in any order.
@@ -305,23 +322,23 @@ fn check_law(text: &str, profile: Option<&Profile>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn any_text_is_a_sequence_or_faults(text in "(?s).{0,200}") {
-        check_law(&text, Some(&profile("lvdt")));
+        check_law(&text, Some(profile("lvdt")));
     }
 
     #[test]
     fn what_is_read_is_printed_and_read_again(text in prop_oneof![words(), lines()]) {
-        check_law(&text, Some(&profile("lvdt")));
+        check_law(&text, Some(profile("lvdt")));
         check_law(&text, None);
     }
 
     #[test]
     fn single_lines_of_every_kind_survive(line in lines(), text in "\\PC{0,30}") {
-        check_law(&line, Some(&profile("lvdt")));
-        check_law(&format!("log \"{text}\""), Some(&profile("lvdt")));
+        check_law(&line, Some(profile("lvdt")));
+        check_law(&format!("log \"{text}\""), Some(profile("lvdt")));
         check_law(&format!("title \"{text}\"\n# {text}"), None);
     }
 }

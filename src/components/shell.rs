@@ -18,6 +18,7 @@ use crate::theme::Theme;
 /// The pages. A bar at the bottom of a narrow screen.
 pub(crate) fn rail(app: &'static App) -> El {
     let live = move || app.page.get() == Page::Live;
+    let console = move || app.page.get() == Page::Console;
     let decoder = move || app.page.get() == Page::Decoder;
     let builder = move || app.page.get() == Page::Builder;
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
@@ -34,6 +35,7 @@ pub(crate) fn rail(app: &'static App) -> El {
         .label(app, Language::pages)
         .child(el("div").class("brand").child(mark).child(el("span").text("Buslens")))
         .child(page_link(app, "#/live", "nav-live", Icon::Live, Language::live, live).child(rate))
+        .child(page_link(app, "#/console", "nav-console", Icon::Console, Language::console, console))
         .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, decoder))
         .child(page_link(app, "#/builder", "nav-builder", Icon::Builder, Language::builder, builder))
         .child(el("small").class("version").text(env!("CARGO_PKG_VERSION")))

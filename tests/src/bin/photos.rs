@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, DecoderPage, LivePage, State};
+use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, State};
 use buslens_tests::testbed::{Bench, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -18,6 +18,13 @@ enum Scene {
     LiveEmpty,
     LiveReading,
     LiveFault,
+    ConsoleEmpty,
+    ConsoleLog,
+    ConsoleSnippets,
+    ConsoleFault,
+    ConsoleKeys,
+    ConsoleBuild,
+    ConsoleBrought,
     DecoderEmpty,
     DecoderFrames,
     DecoderDamaged,
@@ -29,10 +36,17 @@ enum Scene {
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 11] = [
+const SCENES: [(&str, Scene); 18] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
+    ("console-empty", Scene::ConsoleEmpty),
+    ("console-log", Scene::ConsoleLog),
+    ("console-snippets", Scene::ConsoleSnippets),
+    ("console-fault", Scene::ConsoleFault),
+    ("console-keys", Scene::ConsoleKeys),
+    ("console-build", Scene::ConsoleBuild),
+    ("console-brought", Scene::ConsoleBrought),
     ("decoder-empty", Scene::DecoderEmpty),
     ("decoder-frames", Scene::DecoderFrames),
     ("decoder-damaged", Scene::DecoderDamaged),
@@ -89,6 +103,54 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.set_line(19_200, Parity::Even).await;
             page.connect().await;
             page.fault("silence").await;
+        }
+        Scene::ConsoleEmpty => {
+            browser.click("disconnect").await;
+            ConsolePage::open_at(browser, site).await.wait_for_line("closed").await;
+        }
+        Scene::ConsoleLog => {
+            let page = ConsolePage::open_at(browser, site).await;
+            browser.click("demo").await;
+            page.wait_for_count_at_least(60).await;
+            page.send("01 03 00 31 00 01").await;
+            page.result("answered").await;
+            browser.click("follow").await;
+            page.choose_row(3).await;
+            page.comment("nudged by hand").await;
+        }
+        Scene::ConsoleSnippets => {
+            let page = ConsolePage::open_at(browser, site).await;
+            page.open_pane("snippets").await;
+            browser.fill("snippet-name", "Baud rate").await;
+            browser.fill("snippet-folder", "Bench 3").await;
+            browser.click("snippet-save").await;
+            page.set_check("wrong").await;
+            page.repeat(200, 3).await;
+        }
+        Scene::ConsoleFault => {
+            let page = ConsolePage::open_at(browser, site).await;
+            browser.click("repeat").await;
+            page.set_check("crc").await;
+            page.open_pane("counts").await;
+            page.type_line("01 03 00 31 00 0").await;
+            page.set_line("baud", "19200").await;
+        }
+        Scene::ConsoleKeys => {
+            browser.click("keys").await;
+            browser.wait_for("document.querySelector('[data-test=keys-sheet]')").await;
+        }
+        Scene::ConsoleBuild => {
+            browser.click("keys-close").await;
+            browser.click("build").await;
+            browser.wait_for("document.querySelector('[data-test=builder-dialog]')").await;
+        }
+        Scene::ConsoleBrought => {
+            browser.click("builder-close").await;
+            let page = ConsolePage { browser };
+            page.open_pane("frame").await;
+            page.drop_file("bench.log", FRAMES).await;
+            page.wait_for_count("8").await;
+            page.choose_row(5).await;
         }
         Scene::DecoderEmpty => {
             browser.click("disconnect").await;
