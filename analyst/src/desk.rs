@@ -213,10 +213,10 @@ impl Desk {
             faults: self.faults.clone(),
             fault_count: self.reader.as_ref().map_or(0, Reader::fault_count) as u64,
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
-            start_us: self.transcript.entries().next().and_then(|entry| entry.time_us),
-            epoch_us: self.epoch_us(),
             held: place(self.transcript.end() - end),
             after: if self.held_from.is_none() { after.collect() } else { Vec::new() },
+            start_us: self.transcript.entries().next().and_then(|entry| entry.time_us),
+            epoch_us: self.epoch_us(),
         }
     }
 

@@ -81,8 +81,7 @@ pub enum FromLine {
 
 /// The line as it is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-// Facts that do not exclude each other.
-#[allow(clippy::struct_excessive_bools)]
+#[allow(clippy::struct_excessive_bools)] // switches and lamps, each on its own
 pub struct LineState {
     /// Whether bytes can be sent now.
     pub open: bool,

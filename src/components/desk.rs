@@ -66,6 +66,8 @@ pub(crate) struct Desk {
     pub(crate) times: RwSignal<Times>,
     /// How a row's bytes are told.
     pub(crate) bytes: RwSignal<Bytes>,
+    /// Changes when the list is to be shown from its beginning.
+    pub(crate) rewound: RwSignal<u32>,
     /// How many rows have gone from the front of the whole list.
     pub(crate) gone: RwSignal<u32>,
     /// The clock that the rows' times are those of.
@@ -80,6 +82,8 @@ pub(crate) struct Desk {
     pub(crate) views_open: RwSignal<bool>,
     /// The entry that is chosen once the whole list is shown again.
     wanted: StoredValue<Option<u32>>,
+    /// The entry that is to be brought in sight.
+    sought: StoredValue<Option<u32>>,
     rows: StoredValue<Pages>,
     reading: StoredValue<u32>,
     collecting: StoredValue<Option<Collecting>>,
@@ -124,6 +128,7 @@ impl Desk {
             follow: RwSignal::new(live),
             times: RwSignal::new(Times::Clock),
             bytes: RwSignal::new(Bytes::Hex),
+            rewound: RwSignal::new(0),
             gone: RwSignal::new(0),
             clock: StoredValue::new(Clock::default()),
             turn: RwSignal::new(0),
@@ -131,6 +136,7 @@ impl Desk {
             shown: RwSignal::new(String::new()),
             views_open: RwSignal::new(false),
             wanted: StoredValue::new(None),
+            sought: StoredValue::new(None),
             rows: StoredValue::new(Pages::default()),
             reading: StoredValue::new(0),
             collecting: StoredValue::new(None),
@@ -149,6 +155,23 @@ impl Desk {
         }
         let first = self.progress.with_untracked(|progress| progress.first);
         self.choose(index.saturating_sub(first));
+        self.follow.set(false);
+        self.sought.set_value(Some(index));
+    }
+
+    /// The place of the entry that was gone to, once its row is there.
+    fn sought(&self) -> Option<u32> {
+        let wanted = self.sought.get_value()?;
+        let at = self.chosen.get_untracked();
+        if at == NOTHING {
+            return None;
+        }
+        self.want(at..at + 1);
+        let found = self.with_row(at, |row| row.index) == Some(wanted);
+        found.then(|| {
+            self.sought.set_value(None);
+            at
+        })
     }
 
     /// Shows everything.
@@ -169,10 +192,10 @@ impl Desk {
     /// Tells the analyst which profile names the values.
     pub(crate) fn send_profile(&self) {
         let file = |id: &str| ProfileChoice::File(device::find(id).source().to_owned());
-        let choice = self.profile.with(|id| match id.as_str() {
+        let choice = self.profile.with_untracked(|id| match id.as_str() {
             AUTO => ProfileChoice::Auto,
             NO_PROFILE => ProfileChoice::None,
-            CONNECTED => self.connected.with(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
+            CONNECTED => self.connected.with_untracked(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
             id => file(id),
         });
         self.analyst.send(&ToAnalyst::Profile(choice));
@@ -197,6 +220,7 @@ impl Desk {
     pub(crate) fn send_filter(&self) {
         let wanted = self.wanted.try_update_value(Option::take).flatten();
         let first = self.progress.with_untracked(|progress| progress.first);
+        self.sought.set_value(wanted);
         self.choose(match wanted {
             Some(index) => index.saturating_sub(first),
             None if self.is_live() => NOTHING,
@@ -206,6 +230,11 @@ impl Desk {
             self.follow.set(false);
         }
         self.analyst.send(&ToAnalyst::Filter(self.filter()));
+    }
+
+    /// Shows the list from its beginning.
+    pub(crate) fn rewind(&self) {
+        self.rewound.update(|turn| *turn = turn.wrapping_add(1));
     }
 
     /// Chooses one row by its place.

@@ -32,6 +32,8 @@ pub(crate) struct Source {
     pub(crate) draw: Box<dyn Fn(u32) -> Option<El>>,
     /// Told which rows will be looked at.
     pub(crate) want: Box<dyn Fn(Range<u32>)>,
+    /// The place of a row that is to be brought in sight, once: what was looked for, as soon as it is there.
+    pub(crate) seek: Box<dyn Fn() -> Option<u32>>,
     /// The chosen row; one beyond the last stands for none.
     pub(crate) chosen: RwSignal<u32>,
     /// Of a list that grows, what else it needs.
@@ -47,6 +49,8 @@ pub(crate) struct Growing {
     pub(crate) follow: RwSignal<bool>,
     /// The other end of the chosen rows, where several are.
     pub(crate) anchor: RwSignal<u32>,
+    /// Changes when the list is to be shown from its beginning.
+    pub(crate) rewound: RwSignal<u32>,
 }
 
 impl Source {
@@ -92,6 +96,7 @@ pub(crate) fn list(app: &'static Workbench, class: &str, label: Label, head: El,
         canvas: canvas.handle(),
         gone: Cell::new(source.gone.get_untracked()),
         scrolled: Cell::new(0.0),
+        rewound: Cell::new(source.growing.map_or(0, |growing| growing.rewound.get_untracked())),
         source: Rc::clone(&source),
         shown: RefCell::new(Vec::new()),
     });
@@ -121,10 +126,15 @@ pub(crate) fn list(app: &'static Workbench, class: &str, label: Label, head: El,
         if let Some(growing) = source.growing {
             growing.follow.track();
             growing.anchor.track();
+            growing.rewound.track();
         }
         app.language.track();
         app.size_turn.track();
-        painter.resize(source.total.get(), source.gone.get());
+        let total = source.total.get();
+        painter.resize(total, source.gone.get());
+        if let Some(row) = (source.seek)() {
+            painter.reveal(row, total);
+        }
         painter.paint();
     });
     el("div").class(&["list ", class].concat()).child(head).child(frame)
@@ -162,6 +172,8 @@ struct Painter {
     gone: Cell<u32>,
     /// How far it was scrolled down when that was last looked at, in pixels.
     scrolled: Cell<f64>,
+    /// [`Growing::rewound`] as it was obeyed.
+    rewound: Cell<u32>,
     source: Rc<Source>,
     shown: RefCell<Vec<Drawn>>,
 }
@@ -174,7 +186,10 @@ impl Painter {
             return self.frame.set_style("height", &px((f64::from(total).min(MOST_IN_SIGHT)) * ROW));
         };
         let went = gone.wrapping_sub(self.gone.replace(gone));
-        if growing.follow.get_untracked() {
+        let rewound = growing.rewound.get_untracked();
+        if self.rewound.replace(rewound) != rewound {
+            self.frame.set_scroll_top(0.0);
+        } else if growing.follow.get_untracked() {
             self.frame.set_scroll_top(height);
         } else if went > 0 {
             self.frame.set_scroll_top((self.frame.scroll_top() - f64::from(went) * ROW * self.scale(total)).max(0.0));

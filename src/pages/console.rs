@@ -29,7 +29,8 @@ pub(crate) fn console_page(app: &'static Workbench) -> El {
     dom::react(move || {
         let digits = app.to_send.get();
         if !digits.is_empty() {
-            take_bytes(app, &digits);
+            // What stands in the line must not bring the bytes back.
+            untrack(|| take_bytes(app, &digits));
             route::forget_send();
         }
     });
@@ -39,9 +40,14 @@ pub(crate) fn console_page(app: &'static Workbench) -> El {
         .on("dragover", |event| event.prevent_default())
         .on("drop", move |event| log::dropped(app, &event))
         .child(el("h1").class("visually-hidden").say(app, Language::console))
-        .child(setup::line_strip(app))
-        .child(el("div").class("console-main").child(log::log_card(app)).child(panes::panes(app)))
-        .child(send::dock(app))
+        .child(
+            el("div")
+                .class("contents")
+                .flag("inert", move || console.keys_open.get() || console.builder_open.get())
+                .child(setup::line_strip(app))
+                .child(el("div").class("console-main").child(log::log_card(app)).child(panes::panes(app)))
+                .child(send::dock(app)),
+        )
         .live_one(move || console.keys_open.get().then(|| keys::sheet(app)))
         .live_one(move || console.builder_open.get().then(|| building::builder_dialog(app)))
 }

@@ -119,7 +119,7 @@ texts! {
     keep_line => "Keep…" | "收藏…";
     send => "Send" | "发送";
     sending => "Waiting for the line…" | "等待线路空闲…";
-    sent_times(times: &str) => "sent {times} times" | "已发送 {times} 次";
+    sent_times(times: &str) => "sent {times} ×" | "已发送 {times} 次";
     end_answered => "reply" | "已应答";
     end_broadcast => "broadcast is out" | "广播已发出";
     end_heard => "sent, this was heard" | "已发送，收到此内容";

@@ -34,8 +34,9 @@ pub(crate) fn frame_list(app: &'static Workbench, desk: &'static Desk) -> El {
         stamp: Box::new(move |at| desk.with_row(at, |row| stamp(app, desk, at, row))),
         draw: Box::new(move |at| desk.with_row(at, |row| draw(app, desk, row))),
         want: Box::new(move |places| desk.want(places)),
+        seek: Box::new(move || desk.sought()),
         chosen: desk.chosen,
-        growing: desk.is_live().then_some(Growing { follow: desk.follow, anchor: desk.anchor }),
+        growing: desk.is_live().then_some(Growing { follow: desk.follow, anchor: desk.anchor, rewound: desk.rewound }),
         hook: if desk.is_live() { "console-row" } else { "frame-row" },
     };
     let class = if desk.is_live() { "frames log" } else { "frames" };
@@ -133,14 +134,14 @@ fn draw(app: &'static Workbench, desk: &'static Desk, row: &Row) -> El {
         shell
             .child(cell("cell-unit number", &unit.to_string()))
             .child(cell("cell-function", function))
-            .child(el("span").class("cell-meaning").children(notes(language, row)).text(meaning))
+            .child(words_cell("cell-meaning", language, row, meaning))
             .child(check_cell(language, row, *check_ok, expected))
     } else {
         let tag = el("span").class("tag").text(language.noise());
         shell
             .child(cell("cell-unit", ""))
             .child(cell("cell-function", ""))
-            .child(el("span").class("cell-meaning muted").children(notes(language, row)).text(language.no_frame()))
+            .child(words_cell("cell-meaning muted", language, row, language.no_frame()))
             .child(el("span").class("cell-check").child(tag))
     };
     let shell = if live {
@@ -155,6 +156,15 @@ fn draw(app: &'static Workbench, desk: &'static Desk, row: &Row) -> El {
 
 fn cell(class: &str, text: &str) -> El {
     el("span").class(class).text(text)
+}
+
+/// What a row says, behind what is to be noted of it.
+fn words_cell(class: &str, language: Language, row: &Row, words: &str) -> El {
+    let notes = notes(language, row);
+    if notes.is_empty() {
+        return cell(class, words);
+    }
+    el("span").class(&["noted ", class].concat()).children(notes).child(cell("", words))
 }
 
 /// Who had it sent; nothing where nobody knows.

@@ -49,7 +49,9 @@ impl Times {
     /// A row's time. `start_us` is when the log began, `zero_us` the time of the day at the zero of its clock.
     pub(super) fn text(self, row: &Row, start_us: u64, zero_us: u64) -> String {
         match self {
-            Self::Clock => row.time_us.map(|time| format::clock(time.wrapping_add(zero_us))).unwrap_or_default(),
+            Self::Clock => {
+                row.time_us.map(|time| time_of_day(time.wrapping_add(zero_us), zero_us > 0)).unwrap_or_default()
+            }
             Self::Start => row.time_us.map(|time| since(time.saturating_sub(start_us))).unwrap_or_default(),
             Self::Gap => row.gap_us.map(since).unwrap_or_default(),
         }
@@ -80,6 +82,15 @@ impl Bytes {
             Self::Both => [&hex_spaced(bytes), "  ", &characters(bytes)].concat(),
         }
     }
+}
+
+/// The time of the day; of a clock that tells tenths of milliseconds, always with them.
+fn time_of_day(time_us: u64, has_tenths: bool) -> String {
+    let mut text = format::clock(time_us);
+    if has_tenths && text.len() < "00:00:00.0000".len() {
+        text.push('0');
+    }
+    text
 }
 
 /// Bytes as characters, each one wide: a dot for what is no printable ASCII.
@@ -122,6 +133,13 @@ mod tests {
         assert_eq!(since(1_234_567), "+1.2345");
         assert_eq!(since(62_000_100), "+1:02.0001");
         assert_eq!(since(3_723_041_200), "+1:02:03.0412");
+    }
+
+    #[test]
+    fn times_of_the_day_stand_below_each_other() {
+        assert_eq!(time_of_day(37_293_482_000, true), "10:21:33.4820");
+        assert_eq!(time_of_day(37_293_482_300, true), "10:21:33.4823");
+        assert_eq!(time_of_day(37_293_482_000, false), "10:21:33.482");
     }
 
     #[test]

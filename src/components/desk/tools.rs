@@ -22,7 +22,7 @@ pub(crate) fn counts_text(app: &'static Workbench, desk: &'static Desk) -> Strin
 pub(crate) fn filter_bar(app: &'static Workbench, desk: &'static Desk) -> El {
     let mut before = None;
     dom::react(move || {
-        let now = (desk.profile.get(), desk.connected.get());
+        let now = desk.profile.get();
         // The analyst is told at its start.
         if before.replace(now.clone()).is_some_and(|before| before != now) {
             desk.send_profile();

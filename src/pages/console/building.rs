@@ -10,7 +10,10 @@ use crate::workbench::Workbench;
 /// The dialog: the builder's form, the frame, and buttons that send it or put it into the send line.
 pub(super) fn builder_dialog(app: &'static Workbench) -> El {
     let console = &app.console;
-    let close = move || console.builder_open.set(false);
+    let close = move || {
+        console.builder_open.set(false);
+        super::panes::focus_soon(super::send::LINE);
+    };
     let bench = builder_bench(app);
     let frame = bench.frame;
     let mode = move || console.mode();

@@ -89,6 +89,7 @@ pub(super) fn pressed(app: &'static Workbench, event: &Event) {
         "Escape" if console.builder_open.get_untracked() || console.keys_open.get_untracked() => {
             console.builder_open.set(false);
             console.keys_open.set(false);
+            super::panes::focus_soon(LIST);
         }
         "Escape" if dom::is_typing(event) => {
             dom::focus(LIST);
@@ -128,7 +129,10 @@ fn open_pane(app: &'static Workbench, at: usize) {
 
 /// The sheet of keys.
 pub(super) fn sheet(app: &'static Workbench) -> El {
-    let close = move || app.console.keys_open.set(false);
+    let close = move || {
+        app.console.keys_open.set(false);
+        super::panes::focus_soon(LIST);
+    };
     let line = |shown: &str, what: Label| el("div").child(el("kbd").text(shown)).child(el("span").say(app, what));
     let lines = OTHERS.iter().map(|(shown, what)| line(shown, *what));
     let lines = lines.chain(KEYS.iter().map(|key| line(key.shown, key.what))).chain([line("?", Language::keys)]);

@@ -1,5 +1,7 @@
 //! What stands beside the log: the chosen frame, counts, snippets, sequences.
 
+use buslens_analyst::message::Tally;
+
 use super::kept::snippets_pane;
 use super::sequence::sequence_pane;
 use crate::components::desk::NOTHING;
@@ -97,7 +99,10 @@ fn frame_pane(app: &'static Workbench) -> El {
 }
 
 fn counts_empty(app: &'static Workbench) -> El {
-    let none = Memo::new(move |_| app.console.desk.statistics.with(Option::is_none));
+    let none = Memo::new(move |_| {
+        let statistics = app.console.desk.statistics;
+        statistics.with(|all| all.as_ref().is_none_or(|all| all.total == Tally::default()))
+    });
     el("div").class("contents").live_one(move || {
         none.get().then(|| el("div").class("pane-empty").child(el("p").say(app, Language::counts_none)))
     })

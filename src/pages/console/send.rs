@@ -269,6 +269,7 @@ fn result(app: &'static Workbench, dock: &'static Dock) -> El {
         .attr("aria-live", "polite")
         .test("send-result")
         .live_attr("data-state", move || dock.sent.with(|sent| sent.as_ref().map(|sent| sent.state().to_owned())))
+        .live_attr("data-times", move || dock.sent.with(|sent| sent.as_ref().map(|sent| sent.times.to_string())))
         .live_attr("data-end", move || {
             dock.sent.with(|sent| Some(end_key(sent.as_ref()?.outcome.as_ref()?.end).to_owned()))
         })

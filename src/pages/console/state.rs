@@ -145,6 +145,7 @@ impl Console {
         self.unreadable.set(None);
         self.replayed.set(false);
         self.desk.follow.set(false);
+        self.desk.rewind();
         let reading = self.desk.next_reading();
         BROUGHT.with_borrow(|what| {
             Analyst::Console.send_with(&ToAnalyst::Read { reading, form, keep: false }, what);
@@ -153,6 +154,7 @@ impl Console {
 
     /// Back to the log of the line.
     pub(super) fn go_live(&self) {
+        self.desk.statistics.set(None);
         BROUGHT.with_borrow_mut(|kept| *kept = JsValue::UNDEFINED);
         self.brought.set(None);
         self.unreadable.set(None);
@@ -175,6 +177,7 @@ impl Console {
         }
         let speed_permille = self.speed.with_untracked(|text| text.parse().unwrap_or(1000));
         self.replayed.set(true);
+        self.desk.statistics.set(None);
         self.desk.choose(NOTHING);
         self.desk.follow.set(true);
         self.tell(ToConsole::Replay { speed_permille, profile: self.profile_text() });
@@ -235,8 +238,13 @@ impl Console {
     /// Takes over what the first program says of the connection.
     pub(crate) fn connected(&self, told: Option<(String, u8)>) {
         let (device, unit) = told.unzip();
-        self.desk.connected.set(device);
         self.unit.set(unit);
+        if self.desk.connected.with_untracked(|before| *before != device) {
+            self.desk.connected.set(device);
+            if self.started.get_value() {
+                self.desk.send_profile();
+            }
+        }
     }
 
     fn hear(&self, message: FromAnalyst, beside: &JsValue) {
