@@ -4,6 +4,7 @@ mod builder;
 mod console;
 mod decoder;
 mod live;
+mod sequence;
 
 pub use builder::BuilderPage;
 pub use console::ConsolePage;

@@ -14,6 +14,7 @@ use super::compact;
 use crate::components::button::{button, icon_button, menu};
 use crate::components::icon::{Icon, icon};
 use crate::console::sequences::{LONGEST_NAME, file_name};
+use crate::device::Device;
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::text::Language;
@@ -25,10 +26,10 @@ use state::{Told, own_key, ready_key};
 pub(super) fn sequence_pane(app: &'static Workbench) -> El {
     let sequences = &app.console.sequences;
     // Whatever the text is checked by may have changed while another pane was open.
+    let device = Memo::new(move |_| sequences.device(&app.console).map(Device::id));
     dom::react(move || {
         sequences.text.track();
-        sequences.chosen.track();
-        app.console.device();
+        device.track();
         sequences.check(&app.console);
     });
     el("div")

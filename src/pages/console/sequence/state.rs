@@ -213,7 +213,7 @@ impl Sequences {
     // Checks.
 
     /// The device that the text is for: the one that it names, else the one that names the log's values.
-    fn device(&self, console: &Console) -> Option<&'static Device> {
+    pub(super) fn device(&self, console: &Console) -> Option<&'static Device> {
         let named = self.text.with(|text| outline(text).0.and_then(known_device));
         named.or_else(|| console.device())
     }
@@ -230,7 +230,7 @@ impl Sequences {
         let edition = self.edition.get_value().wrapping_add(1);
         self.edition.set_value(edition);
         self.checked.set(None);
-        let profile = self.device(console).map(|device| device.source().to_owned()).unwrap_or_default();
+        let profile = untrack(|| self.device(console)).map(|device| device.source().to_owned()).unwrap_or_default();
         console.tell(ToConsole::Check { edition, text: self.text.get_untracked(), profile });
     }
 
@@ -274,7 +274,7 @@ impl Sequences {
             return;
         }
         self.asks.set(false);
-        let device = self.device(console);
+        let device = untrack(|| self.device(console));
         let unit = console.unit.get_untracked().or(device.map(|device| device.profile().unit)).unwrap_or(1);
         let profile = device.map(|device| device.source().to_owned()).unwrap_or_default();
         let text = self.text.get_untracked();
