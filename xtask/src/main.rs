@@ -29,6 +29,7 @@ cargo xtask <command> [options]
   --debian-std     all but bench's first part: compile the wasm target's standard library from Debian's
                    packages, even where the target is installed
   --symbols        build, serve: keep function names in the wasm file, for debugging
+  --quick          build, serve, photos: compile in a fraction of the time, for trying things out; the site is large
   --port <number>  serve: first port to try (8460)
   --only <step>    test: only this step; may be given several times: fmt, clippy, unit, doc, bare, browser
 ";
@@ -64,6 +65,7 @@ impl Task {
                 Short('h') | Long("help") => return Ok(Self::Help),
                 Long("debian-std") => options.debian_std = true,
                 Long("symbols") => options.symbols = true,
+                Long("quick") => options.quick = true,
                 Long("port") => port = Some(args.value()?.parse()?),
                 Long("only") => only.push(args.value()?.string()?.parse()?),
                 Value(name) if command.is_none() => command = Some(name.string()?),
@@ -79,6 +81,9 @@ impl Task {
         }
         if options.symbols && !["build", "serve"].contains(&command.as_str()) {
             bail!("--symbols belongs to build and serve");
+        }
+        if options.quick && !["build", "serve", "photos"].contains(&command.as_str()) {
+            bail!("--quick belongs to build, serve and photos");
         }
         match command.as_str() {
             "build" => Ok(Self::Build(options)),

@@ -25,6 +25,8 @@ pub(crate) struct Options {
     pub(crate) debian_std: bool,
     /// Keep function names. Such a site is for debugging and has no budget.
     pub(crate) symbols: bool,
+    /// Compile and compress quickly. Such a site is for trying things out and has no budget.
+    pub(crate) quick: bool,
 }
 
 /// What the first visit to a built site transfers.
@@ -48,16 +50,17 @@ impl FirstLoad {
 /// Builds the site into `folder`, which is replaced as a whole.
 pub(crate) fn build(options: Options, folder: &Path) -> Result<FirstLoad> {
     let toolchain = Wasm::find(options.debian_std)?;
-    let programs = [PAGE, WORKBENCH, ANALYST].map(|program| compile(toolchain, program));
+    let programs = [PAGE, WORKBENCH, ANALYST].map(|program| compile(toolchain, program, options));
     println!("site: binding and compressing");
     let [page, workbench, analyst] = programs.map(|compiled| bind(&compiled?, options.symbols));
     let site = assemble(&page?, &workbench?, &analyst?)?;
-    let pack = |files: Vec<File>| files.into_iter().map(Packed::new).collect::<Result<Vec<_>>>();
+    let pack =
+        |files: Vec<File>| files.into_iter().map(|file| Packed::new(file, options.quick)).collect::<Result<Vec<_>>>();
     let (first, later) = (pack(site.first)?, pack(site.later)?);
     write(first.iter().chain(&later), folder)?;
     print!("{}", table(&first, &later));
     let bytes = first.iter().map(|file| file.brotli.len()).sum();
-    Ok(FirstLoad { bytes, budget: if options.symbols { usize::MAX } else { BUDGET } })
+    Ok(FirstLoad { bytes, budget: if options.symbols || options.quick { usize::MAX } else { BUDGET } })
 }
 
 /// A program of the site: its package, its binary, and the profile that it is compiled with.
@@ -75,8 +78,9 @@ const WORKBENCH: Program = Program { package: "buslens", name: "buslens-workbenc
 /// Reads whole texts; loaded when there is one to read.
 const ANALYST: Program = Program { package: "buslens-analyst", name: "buslens-analyst", profile: "analyst" };
 
-fn compile(toolchain: Wasm, program: Program) -> Result<PathBuf> {
+fn compile(toolchain: Wasm, program: Program, options: Options) -> Result<PathBuf> {
     let Program { package, name, profile } = program;
+    let profile = if options.quick { "quick" } else { profile };
     println!("site: compiling {name}");
     let mut cargo = toolchain.cargo("build");
     cargo.args(["--package", package, "--bin", name, "--profile", profile]);
@@ -246,12 +250,13 @@ struct Packed {
 }
 
 impl Packed {
-    fn new(file: File) -> Result<Self> {
-        let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    fn new(file: File, quick: bool) -> Result<Self> {
+        let (level, quality) = if quick { (Compression::fast(), 1) } else { (Compression::best(), 11) };
+        let mut gzip = GzEncoder::new(Vec::new(), level);
         gzip.write_all(&file.bytes)?;
         let mut brotli = Vec::new();
-        let best = BrotliEncoderParams { quality: 11, lgwin: 22, size_hint: file.bytes.len(), ..Default::default() };
-        brotli::BrotliCompress(&mut file.bytes.as_slice(), &mut brotli, &best)?;
+        let params = BrotliEncoderParams { quality, lgwin: 22, size_hint: file.bytes.len(), ..Default::default() };
+        brotli::BrotliCompress(&mut file.bytes.as_slice(), &mut brotli, &params)?;
         Ok(Self { gzip: gzip.finish()?, brotli, file })
     }
 }
@@ -350,7 +355,7 @@ mod tests {
     #[test]
     fn packed_forms_unpack_to_the_same() {
         let bytes = b"every byte counts, every byte counts".to_vec();
-        let packed = Packed::new(File::named("buslens", "css", bytes.clone())).unwrap();
+        let packed = Packed::new(File::named("buslens", "css", bytes.clone()), false).unwrap();
         let mut unpacked = Vec::new();
         brotli::BrotliDecompress(&mut packed.brotli.as_slice(), &mut unpacked).unwrap();
         assert_eq!(unpacked, bytes);
