@@ -26,7 +26,7 @@ use buslens_codec::profile::Profile;
 use crate::desk::{Cursor, Desk};
 use crate::line::{End, FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, Statistics, ToConsole};
-use outbox::Outbox;
+use outbox::{News, Outbox};
 use playback::Playback;
 use running::{Running, Wish};
 use sends::Sends;
@@ -39,13 +39,8 @@ const NEWS_PERIOD: Duration = Duration::from_millis(60);
 const COUNTS_PERIOD: Duration = Duration::from_secs(1);
 /// When nothing was heard for so long, the list is told that time has passed: what was held back for want of its end is all
 /// there is, at some lines only after a while, and what was asked for will not be answered any more.
-const QUIET: [Duration; 5] = [
-    Duration::from_millis(50),
-    Duration::from_millis(150),
-    Duration::from_millis(600),
-    Duration::from_millis(1100),
-    Duration::from_millis(2200),
-];
+const QUIET: [Duration; 4] =
+    [Duration::from_millis(50), Duration::from_millis(600), Duration::from_millis(1200), Duration::from_millis(2300)];
 
 /// A console, or, while no line is attached to it, a reader of texts.
 pub struct Console {
@@ -72,10 +67,9 @@ pub struct Console {
     /// Notes that have come and are in no list yet, and whether they are a replay's.
     backlog: VecDeque<(bool, std::vec::IntoIter<Note>)>,
     silence: Option<Silence>,
-    has_news: bool,
-    told_at: Option<Instant>,
-    has_counts: bool,
-    counted_at: Option<Instant>,
+    knows_clock: bool,
+    news: News,
+    counts: News,
     out: Outbox,
 }
 
@@ -119,10 +113,9 @@ impl Console {
             running: None,
             backlog: VecDeque::new(),
             silence: None,
-            has_news: false,
-            told_at: None,
-            has_counts: false,
-            counted_at: None,
+            knows_clock: false,
+            news: News::every(NEWS_PERIOD),
+            counts: News::every(COUNTS_PERIOD),
             out: Outbox::default(),
         }
     }
@@ -130,7 +123,11 @@ impl Console {
     /// Takes a wish of the window.
     pub fn hear(&mut self, now: Instant, message: ToConsole) {
         match message {
-            ToConsole::Attach | ToConsole::Live => self.go_live(),
+            ToConsole::Attach => {
+                self.knows_clock = false;
+                self.go_live();
+            }
+            ToConsole::Live => self.go_live(),
             ToConsole::RingSize(entries) => {
                 self.ring = Some(entries);
                 self.live.set_ring(entries);
@@ -164,13 +161,13 @@ impl Console {
             }
             ToConsole::Stop => self.stop_running(now),
         }
-        self.has_news = true;
+        self.news.change();
     }
 
     /// Takes what the engine says at this time of the worker, `unix_us` microseconds after the beginning of 1970.
     pub fn hear_line(&mut self, now: Instant, unix_us: u64, message: FromLine) {
         match message {
-            FromLine::Clock(at_us) => self.live = self.new_log(unix_us.saturating_sub(at_us)),
+            FromLine::Clock(at_us) => self.hear_clock(at_us, unix_us),
             FromLine::Notes(notes) => self.hear_notes(now, notes),
             FromLine::Done { id, outcome } => self.hear_end(now, id, &outcome),
             FromLine::State(state) => self.hear_state(now, state),
@@ -200,8 +197,8 @@ impl Console {
         }
         if let Some(desk) = self.log_mut(replay) {
             desk.record(&portion);
-            self.has_news = true;
-            self.has_counts = true;
+            self.news.change();
+            self.counts.change();
         }
         !self.backlog.is_empty()
     }
@@ -218,31 +215,22 @@ impl Console {
 
     /// How long the list in view is, if that has changed and it is time to tell.
     pub fn poll_progress(&mut self, now: Instant) -> Option<Progress> {
-        if !self.has_news || self.told_at.is_some_and(|told_at| now < told_at + NEWS_PERIOD) {
-            return None;
-        }
-        self.has_news = false;
-        self.told_at = Some(now);
-        Some(self.progress())
+        self.news.take(now).then(|| self.progress())
     }
 
     /// What the log in view holds, if that has changed and it is time to tell.
     pub fn poll_statistics(&mut self, now: Instant) -> Option<Statistics> {
-        if !self.has_counts || self.counted_at.is_some_and(|counted_at| now < counted_at + COUNTS_PERIOD) {
-            return None;
-        }
-        self.has_counts = false;
-        self.counted_at = Some(now);
-        self.desk().statistics()
+        if self.counts.take(now) { self.desk().statistics() } else { None }
     }
 
     /// When something is to be done next.
     pub fn poll_timeout(&self) -> Option<Instant> {
-        let news = self.has_news.then(|| self.told_at.map_or(Instant::ZERO, |told_at| told_at + NEWS_PERIOD));
-        let counts = self.has_counts.then(|| self.counted_at.map_or(Instant::ZERO, |told_at| told_at + COUNTS_PERIOD));
         let playback = self.playback.as_ref().and_then(Playback::due);
         let running = self.running.as_ref().and_then(Running::due);
-        [self.sends.due(), running, playback, self.quiet_at(), news, counts].into_iter().flatten().min()
+        [self.sends.due(), running, playback, self.quiet_at(), self.news.due(), self.counts.due()]
+            .into_iter()
+            .flatten()
+            .min()
     }
 
     /// The list in view.
@@ -280,14 +268,14 @@ impl Console {
     pub fn choose(&mut self, choice: ProfileChoice) {
         self.choice = choice.clone();
         self.desk_mut().choose(choice);
-        self.has_news = true;
+        self.news.change();
     }
 
     /// Shows only what fits from now on, of whatever list is in view.
     pub fn set_filter(&mut self, filter: Filter) {
         self.filter = filter.clone();
         self.desk_mut().set_filter(filter);
-        self.has_news = true;
+        self.news.change();
     }
 
     /// How far the list in view has come.
@@ -300,6 +288,18 @@ impl Console {
     pub fn rows(&self, from: u32, count: u32) -> Rows {
         let rows = self.desk().rows(from, count);
         Rows { edition: self.edition_base.wrapping_add(rows.edition), ..rows }
+    }
+
+    fn hear_clock(&mut self, at_us: u64, unix_us: u64) {
+        if self.knows_clock {
+            // Whatever has come meanwhile begins another silence.
+            if self.backlog.is_empty() {
+                self.pass_time(at_us, false);
+            }
+        } else {
+            self.knows_clock = true;
+            self.live = self.new_log(unix_us.saturating_sub(at_us));
+        }
     }
 
     fn hear_notes(&mut self, now: Instant, notes: Vec<Note>) {
@@ -405,7 +405,7 @@ impl Console {
         self.desk_mut().choose(choice);
         self.desk_mut().set_filter(filter);
         self.edition_base = last.wrapping_add(1).wrapping_sub(self.desk().progress().edition);
-        self.has_news = true;
+        self.news.change();
     }
 
     /// An empty log. `epoch_us` is the Unix time of its clock's origin.
@@ -440,20 +440,26 @@ impl Console {
         }
     }
 
-    /// Tells the list that nothing has been heard for a while.
+    /// Finds out whether nothing has been heard for a while. Only the engine knows: what it has heard may be on its way. In
+    /// a replay nothing is on its way but whole frames.
     fn settle(&mut self, now: Instant) {
         let Some(silence) = &mut self.silence else { return };
         silence.told += 1;
         let Silence { at_us, came, replay, .. } = *silence;
+        if !replay {
+            return self.out.order(ToLine::Clock);
+        }
         let elapsed = now.saturating_since(came);
-        let elapsed = match &self.playback {
-            Some(playback) if replay => playback.recorded(elapsed),
-            _ => elapsed,
-        };
+        let elapsed = self.playback.as_ref().map_or(elapsed, |playback| playback.recorded(elapsed));
+        self.pass_time((Instant::from_micros(at_us) + elapsed).as_micros(), true);
+    }
+
+    /// Tells the list that nothing was heard until then.
+    fn pass_time(&mut self, now_us: u64, replay: bool) {
         if let Some(desk) = self.log_mut(replay) {
-            desk.settle((Instant::from_micros(at_us) + elapsed).as_micros());
-            self.has_news = true;
-            self.has_counts = true;
+            desk.settle(now_us);
+            self.news.change();
+            self.counts.change();
         }
     }
 

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Console to engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToLine {
+    /// Tell the clock: only who keeps it knows that nothing has happened. Answered by [`FromLine::Clock`].
+    Clock,
     /// Send bytes as they are, in a quiet slot between other transactions. Answered by [`FromLine::Done`].
     ///
     /// Bytes that are one whole request with a right check in the line's mode are a transaction like any other; other
@@ -64,7 +66,7 @@ pub enum ToLine {
 /// Engine to console.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromLine {
-    /// The engine's clock as it is now, in microseconds. The first message of all.
+    /// The engine's clock as it is now, in microseconds, after everything that happened before. The first message of all.
     Clock(u64),
     /// What has happened since the last notes, at most at display rate.
     Notes(Vec<Note>),

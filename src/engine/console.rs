@@ -46,9 +46,16 @@ impl Console {
 
     /// Somebody listens now, and gets everything that has been kept.
     pub(super) fn attach(&mut self, now: Instant, channel: Channel) {
-        channel.post(&FromLine::Clock(now.as_micros()));
         self.channel = Some(channel);
         self.told = None;
+        self.post(&FromLine::Clock(now.as_micros()));
+    }
+
+    /// Tells the clock, behind whatever has happened.
+    pub(super) fn tell_clock(&mut self, now: Instant) {
+        self.told_at = Instant::ZERO;
+        self.tell(now);
+        self.post(&FromLine::Clock(now.as_micros()));
     }
 
     pub(super) fn is_attached(&self) -> bool {

@@ -125,6 +125,7 @@ impl Engine {
                 Some(connected) if !connected.is_replay() => connected.disconnect(),
                 _ => end(session, console),
             },
+            Input::Line(ToLine::Clock) => console.tell_clock(now()),
             Input::Line(ToLine::ReplayEnded) => {
                 if session.as_ref().is_some_and(Session::is_replay) {
                     end(session, console);

@@ -10,7 +10,7 @@ use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::profile::Profile;
 use buslens_sequence::{Fault, Line, Order, Run, Sequence, parse};
 
-use super::outbox::Outbox;
+use super::outbox::{News, Outbox};
 use crate::line::{LineState, ToLine};
 use crate::message::FromConsole;
 
@@ -55,9 +55,7 @@ pub(super) struct Running {
     /// The engine's number and the sequence's of what has not ended.
     asked: Vec<(u32, u32)>,
     buffer_bytes: u32,
-    told_at: Option<Instant>,
-    /// There may be something to tell.
-    untold: bool,
+    news: News,
 }
 
 impl Running {
@@ -73,7 +71,9 @@ impl Running {
         tell_faults(wish.edition, &sequence, out);
         let run = Run::new(Arc::new(sequence.ok()?), UnitId(unit), profile.map(Arc::new), line_of(state), now);
         let buffer_bytes = state.map_or(8192, |state| state.buffer_bytes);
-        Some(Self { edition: wish.edition, run, asked: Vec::new(), buffer_bytes, told_at: None, untold: true })
+        let mut news = News::every(NEWS_PERIOD);
+        news.change();
+        Some(Self { edition: wish.edition, run, asked: Vec::new(), buffer_bytes, news })
     }
 
     /// Something with this number of the engine's has ended; whether it was this sequence's.
@@ -81,25 +81,25 @@ impl Running {
         let Some(place) = self.asked.iter().position(|(asked, _)| *asked == id) else { return false };
         let (_, id) = self.asked.remove(place);
         self.run.done(now, id, outcome);
-        self.untold = true;
+        self.news.change();
         true
     }
 
     pub(super) fn hear_state(&mut self, now: Instant, state: &LineState) {
         self.buffer_bytes = state.buffer_bytes;
         self.run.state(now, line_of(Some(state)));
-        self.untold = true;
+        self.news.change();
     }
 
     pub(super) fn stop(&mut self, now: Instant) {
         self.run.stop(now);
-        self.untold = true;
+        self.news.change();
     }
 
     pub(super) fn handle_time(&mut self, now: Instant) {
         if self.run.poll_timeout().is_some_and(|due| due <= now) {
             self.run.timeout(now);
-            self.untold = true;
+            self.news.change();
         }
     }
 
@@ -110,20 +110,17 @@ impl Running {
             out.order(order);
         }
         let ended = self.run.has_ended();
-        if self.untold && (ended || self.told_at.is_none_or(|told_at| now >= told_at + NEWS_PERIOD)) {
-            self.untold = false;
-            if let Some(changes) = self.run.poll_changes() {
-                self.told_at = Some(now);
-                out.tell(FromConsole::Run { edition: self.edition, changes });
-            }
+        if (self.news.take(now) || ended)
+            && let Some(changes) = self.run.poll_changes()
+        {
+            out.tell(FromConsole::Run { edition: self.edition, changes });
         }
         !ended
     }
 
     /// When [`Self::handle_time`] and [`Self::drain`] have something to do next.
     pub(super) fn due(&self) -> Option<Instant> {
-        let news = self.told_at.map_or(Instant::ZERO, |told_at| told_at + NEWS_PERIOD);
-        [self.run.poll_timeout(), self.untold.then_some(news)].into_iter().flatten().min()
+        [self.run.poll_timeout(), self.news.due()].into_iter().flatten().min()
     }
 
     fn translate(&mut self, order: Order, out: &mut Outbox) -> ToLine {

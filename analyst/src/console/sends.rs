@@ -8,7 +8,7 @@ use buslens_codec::ascii;
 use buslens_codec::line::Mode;
 use buslens_sequence::Pattern;
 
-use super::outbox::Outbox;
+use super::outbox::{News, Outbox};
 use crate::line::{End, Outcome, ToLine};
 use crate::message::{FromConsole, Sending, Until};
 
@@ -36,9 +36,7 @@ struct Round {
     stopped: bool,
     first_heard: Option<Vec<u8>>,
     last: Option<Outcome>,
-    /// There is something to tell, and it was told last at this time.
-    untold: bool,
-    told_at: Option<Instant>,
+    news: News,
 }
 
 impl Sends {
@@ -68,8 +66,7 @@ impl Sends {
             stopped: false,
             first_heard: None,
             last: None,
-            untold: false,
-            told_at: None,
+            news: News::every(NEWS_PERIOD),
         };
         round.ask(now, out);
         self.under_way.push(round);
@@ -105,8 +102,7 @@ impl Sends {
             if round.next.is_some_and(|next| next <= now) {
                 round.ask(now, out);
             }
-            if round.news_due().is_some_and(|due| due <= now) {
-                round.told_at = Some(now);
+            if round.news.take(now) {
                 round.tell(true, out);
             }
         }
@@ -114,7 +110,7 @@ impl Sends {
 
     /// When there is something to do next.
     pub(super) fn due(&self) -> Option<Instant> {
-        self.under_way.iter().flat_map(|round| [round.next, round.news_due()]).flatten().min()
+        self.under_way.iter().flat_map(|round| [round.next, round.news.due()]).flatten().min()
     }
 }
 
@@ -142,7 +138,7 @@ impl Round {
         self.last = Some(outcome.clone());
         if goes_on {
             self.next = Some((self.begun + self.every()).max(now));
-            self.untold = true;
+            self.news.change();
         } else {
             self.tell(false, out);
         }
@@ -166,15 +162,10 @@ impl Round {
         !met && repeat.times.is_none_or(|times| self.times < times)
     }
 
-    fn tell(&mut self, more: bool, out: &mut Outbox) {
-        self.untold = false;
+    fn tell(&self, more: bool, out: &mut Outbox) {
         if let Some(outcome) = self.last.clone() {
             out.tell(FromConsole::Sent { id: self.sending.id, times: self.times, more, outcome });
         }
-    }
-
-    fn news_due(&self) -> Option<Instant> {
-        self.untold.then(|| self.told_at.map_or(Instant::ZERO, |told_at| told_at + NEWS_PERIOD))
     }
 
     fn every(&self) -> Duration {

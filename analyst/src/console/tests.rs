@@ -47,7 +47,8 @@ fn attached() -> Console {
 
 fn drain(console: &mut Console) -> (Vec<ToLine>, Vec<FromConsole>) {
     while console.work() {}
-    (std::iter::from_fn(|| console.poll_line()).collect(), std::iter::from_fn(|| console.poll_news()).collect())
+    let orders = std::iter::from_fn(|| console.poll_line()).filter(|order| *order != ToLine::Clock);
+    (orders.collect(), std::iter::from_fn(|| console.poll_news()).collect())
 }
 
 fn sending(id: u32, repeat: impl Into<Option<Repeat>>) -> Sending {
@@ -60,6 +61,28 @@ fn every(every_ms: u32, times: Option<u32>, until: Until) -> Repeat {
 
 fn outcome(end: End, heard: &[u8]) -> Outcome {
     Outcome { at_us: 0, heard: heard.to_vec(), round_trip_us: None, end }
+}
+
+/// Nothing more is heard for a long time.
+fn be_quiet(console: &mut Console) {
+    console.hear_line(ms(0), 0, FromLine::Clock(10_000_000_000));
+}
+
+#[test]
+fn only_the_engine_knows_that_nothing_was_heard() {
+    let mut console = attached();
+    console.hear_line(ms(1), 0, FromLine::Notes(vec![Note { at_us: 1000, what: What::Received(REPLY[..3].to_vec()) }]));
+    // The rest of the frame is on its way for a second already.
+    for at in [100, 700, 1300] {
+        console.handle_time(ms(at));
+    }
+    let rest = Note { at_us: 9000, what: What::Received(REPLY[3..].to_vec()) };
+    console.hear_line(ms(1301), 0, FromLine::Notes(vec![rest]));
+    drain(&mut console);
+    console.handle_time(ms(1360));
+    assert_eq!(console.poll_line(), Some(ToLine::Clock));
+    console.hear_line(ms(1361), 0, FromLine::Clock(70_000));
+    assert_eq!(console.rows(0, 9).rows.into_iter().map(|row| row.bytes).collect::<Vec<_>>(), [REPLY]);
 }
 
 /// Number of the one thing that is to be sent.
@@ -225,7 +248,7 @@ fn notes_become_the_list_in_portions() {
     let some = entries(&console);
     assert!(some > 0 && some < 4000);
     drain(&mut console);
-    console.handle_time(ms(1000));
+    be_quiet(&mut console);
     assert_eq!(entries(&console), 4000);
     assert_eq!(console.rows(0, 2).rows[1].direction, Direction::Response);
 }
@@ -270,7 +293,7 @@ fn a_replay_shows_its_own_list_and_keeps_the_log() {
     let mut console = attached();
     console.hear_line(ms(1), 0, FromLine::Notes(notes(50)));
     drain(&mut console);
-    console.handle_time(ms(1000));
+    be_quiet(&mut console);
     let log: Vec<_> =
         console.rows(0, 500).rows.into_iter().map(|row| (row.time_us, row.bytes, row.direction)).collect();
     assert_eq!(log.len(), 100);
@@ -301,7 +324,7 @@ fn a_replay_at_another_speed_and_as_fast_as_it_goes() {
         let mut console = attached();
         console.hear_line(ms(1), 0, FromLine::Notes(notes(50)));
         drain(&mut console);
-        console.handle_time(ms(1000));
+        be_quiet(&mut console);
         console.hear(ms(10_000), ToConsole::Replay { speed_permille, profile: String::new() });
         let (ended, _) = play_to_the_end(&mut console, 3);
         assert!((from..to).contains(&(ended - 10_000_000)), "{speed_permille}: {ended}");
@@ -314,7 +337,7 @@ fn a_replay_stops_at_once_and_keeps_what_was_played() {
     let mut console = attached();
     console.hear_line(ms(1), 0, FromLine::Notes(notes(20_000)));
     drain(&mut console);
-    console.handle_time(ms(1000));
+    be_quiet(&mut console);
     console.hear(ms(10_000), ToConsole::Replay { speed_permille: 0, profile: String::new() });
     drain(&mut console);
     console.hear_line(ms(10_001), 0, FromLine::State(state(true)));
@@ -346,7 +369,7 @@ fn a_text_that_is_brought_in_takes_the_place_of_the_log_which_goes_on() {
     assert_eq!(entries(&console), 2);
     console.hear_line(ms(2), 0, FromLine::Notes(notes(5)));
     drain(&mut console);
-    console.handle_time(ms(1000));
+    be_quiet(&mut console);
     assert_eq!(entries(&console), 2);
     // A replay of what was brought in.
     console.hear(ms(10_000), ToConsole::Replay { speed_permille: 0, profile: String::new() });
@@ -362,7 +385,7 @@ fn a_port_that_is_opened_during_a_replay_ends_it() {
     let mut console = attached();
     console.hear_line(ms(1), 0, FromLine::Notes(notes(5)));
     drain(&mut console);
-    console.handle_time(ms(1000));
+    be_quiet(&mut console);
     console.hear(ms(2000), ToConsole::Replay { speed_permille: 1000, profile: String::new() });
     console.hear_line(ms(2000), 0, FromLine::State(state(true)));
     drain(&mut console);

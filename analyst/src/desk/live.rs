@@ -26,8 +26,8 @@ const LEAST_BYTES: u64 = 16 << 20;
 const MOST_FORGOTTEN: usize = 8192;
 /// Notes between two looks at the ring.
 const NOTES: usize = 256;
-/// Silence after which nothing is joined to what came before: more than any adapter holds bytes back.
-const QUIET_US: u64 = 100_000;
+/// Silence after which nothing is joined to what came before: more than any adapter, or a busy machine, holds bytes back.
+const QUIET_US: u64 = 500_000;
 /// The same behind a whole frame.
 const QUIET_BEHIND_FRAME_US: u64 = 25_000;
 /// The standard's patience between two characters in ASCII mode (serial line guide, clause 2.5.2.1).
