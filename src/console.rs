@@ -3,6 +3,7 @@
 
 pub(crate) mod entry;
 pub(crate) mod history;
+pub(crate) mod sequences;
 pub(crate) mod snippets;
 
 use std::ops::Range;

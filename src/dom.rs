@@ -307,6 +307,19 @@ pub(crate) fn focus(id: &str) -> bool {
     found.is_some_and(|found| found.focus().is_ok())
 }
 
+/// Moves the focus to the text field with this id, and the cursor to a place in it, counted in UTF-16 units.
+pub(crate) fn select(id: &str, at: u32) {
+    if focus(id)
+        && let Some(field) = document().get_element_by_id(id)
+        && let Some(select) = Reflect::get(&field, &"setSelectionRange".into())
+            .ok()
+            .and_then(|select| select.dyn_into::<js_sys::Function>().ok())
+    {
+        // Text fields take any place.
+        let _ = select.call2(&field, &at.into(), &at.into());
+    }
+}
+
 /// Whether the element with this id has the focus.
 pub(crate) fn has_focus(id: &str) -> bool {
     document().active_element().is_some_and(|found| found.id() == id)

@@ -24,6 +24,9 @@ pub(crate) const IDS: [&str; 16] = [
     "manual_erratum",
 ];
 
+/// The bit of an exception.
+const EXCEPTION: u16 = 1 << 12;
+
 /// What is known of an entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Facts {
@@ -59,8 +62,12 @@ impl Facts {
             (entry.mark == Direction::Request, Self::SENT),
         ];
         let is = facts.iter().filter(|(holds, _)| *holds).fold(0, |is, (_, fact)| is | fact);
-        let ids = diagnoses.iter().filter_map(|found| IDS.iter().position(|id| *id == found.id()));
-        Self { diagnoses: ids.fold(0, |bits, place| bits | 1 << place), is }
+        Self { diagnoses: Self::bits(diagnoses), is }
+    }
+
+    fn bits(diagnoses: &[Diagnosis]) -> u16 {
+        let places = diagnoses.iter().filter_map(|found| IDS.iter().position(|id| *id == found.id()));
+        places.fold(0, |bits, place| bits | 1 << place)
     }
 
     /// Whether any of these holds.
@@ -74,12 +81,17 @@ impl Facts {
     }
 
     pub(crate) fn is_exception(self) -> bool {
-        self.is(Self::FRAME) && self.has(bits_of(|id| id == "exception"))
+        self.is(Self::FRAME) && self.has(EXCEPTION)
     }
 
     /// Places in [`IDS`] of its diagnoses.
     pub(crate) fn diagnoses(self) -> impl Iterator<Item = usize> {
-        (0..IDS.len()).filter(move |place| self.diagnoses >> place & 1 == 1)
+        let mut left = self.diagnoses;
+        std::iter::from_fn(move || {
+            let place = left.trailing_zeros();
+            left &= left.checked_sub(1)?;
+            usize::try_from(place).ok()
+        })
     }
 
     /// Whether anything is wrong with it. In `one_sided` lists nobody misses the other half.
@@ -121,5 +133,9 @@ mod tests {
         ];
         assert_eq!(all.each_ref().map(Diagnosis::id), IDS);
         assert_eq!(size_of::<Facts>(), 4);
+        assert_eq!(bits_of(|id| id == "exception"), EXCEPTION);
+        let exception = [Diagnosis::Exception { code: 1 }, Diagnosis::Echo];
+        let facts = Facts { diagnoses: Facts::bits(&exception), is: Facts::FRAME };
+        assert_eq!((facts.is_exception(), facts.diagnoses().collect::<Vec<_>>()), (true, vec![10, 12]));
     }
 }

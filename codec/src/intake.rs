@@ -199,7 +199,7 @@ impl Reader {
     fn line(&mut self, text: &str) {
         self.lines += 1;
         if self.form == Form::Session {
-            self.any_text = true;
+            // It may hold no entry.
             return self.session_line(text);
         }
         let line = Line::new(text, self.lines, &mut self.codes);

@@ -429,7 +429,12 @@ impl Transcript {
         let source = self.sources.front().filter(|source| source.start <= offset).copied();
         let segment = source.map(|source| source.segment).unwrap_or_default();
         let time_us = self.time_at(0, offset);
-        let last = self.sources.iter().take_while(|source| source.start < end).count().saturating_sub(1);
+        let last = match self.sources.get(1) {
+            Some(next) if next.start < end => {
+                self.sources.iter().take_while(|source| source.start < end).count().saturating_sub(1)
+            }
+            _ => 0,
+        };
         let end_us = self.time_at(last, end);
         let span = end_us.unwrap_or(0).saturating_sub(time_us.unwrap_or(u64::MAX));
         let frame = self.tail.get(range).unwrap_or_default();
@@ -445,19 +450,23 @@ impl Transcript {
             origin: segment.origin,
             ..Entry::BLANK
         };
-        self.entries.push(entry, frame);
+        self.entries.push(&entry, frame);
         if kind == EntryKind::Frame {
-            self.pairing.place(&mut self.entries, frame);
+            self.pairing.place(&mut self.entries, &entry, frame);
         }
     }
 
     /// When the stream had come to a place, by one of the segments that still count: its bytes share its time evenly.
     fn time_at(&self, source: usize, place: u64) -> Option<u64> {
         let Source { start, segment } = self.sources.get(source)?;
+        let time_us = segment.time_us?;
         let passed = place.checked_sub(*start)?;
+        if segment.span_us == 0 {
+            return Some(time_us);
+        }
         let end = self.sources.get(source + 1).map_or(self.taken, |next| next.start);
         let span = u64::from(segment.span_us).saturating_mul(passed).checked_div(end.saturating_sub(*start));
-        Some(segment.time_us?.saturating_add(span.unwrap_or(0)))
+        Some(time_us.saturating_add(span.unwrap_or(0)))
     }
 
     /// Where a place of the stream is in the tail.

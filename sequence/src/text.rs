@@ -3,7 +3,6 @@
 use core::fmt::Write;
 
 use crate::report::{Entry, Mark, Report, Summary};
-use crate::script::Sequence;
 
 /// The words of a report in some language. Whole sentences or phrases, each on one line.
 pub trait Words {
@@ -19,11 +18,12 @@ pub trait Words {
 
 impl Report {
     /// The report as text: a head, then each step with the number of its line, the time since the beginning in seconds, how
-    /// it went, its line, the bytes that went out (`>>`) and came in (`<<`), and what there is to say of it. `sequence` is
-    /// the one that was run.
-    pub fn text(&self, sequence: &Sequence, words: &impl Words) -> String {
+    /// it went, its line, the bytes that went out (`>>`) and came in (`<<`), and what there is to say of it. `source` is
+    /// the text that was run.
+    pub fn text(&self, source: &str, words: &impl Words) -> String {
         let marks = [Mark::Running, Mark::Passed, Mark::Failed, Mark::Skipped].map(|mark| (mark, words.mark(mark)));
         let width = marks.iter().map(|(_, word)| columns(word)).max().unwrap_or(0);
+        let steps: Vec<&str> = source.lines().map(str::trim).collect();
         let mut text = String::new();
         for line in words.head(&self.summary) {
             push_line(&mut text, &line);
@@ -35,7 +35,8 @@ impl Report {
             // A step that was never reached has no time.
             let since = if entry.time == 0 { String::new() } else { seconds(since) };
             let padding = width.saturating_sub(columns(word));
-            let step = sequence.line(entry.line);
+            let at = usize::try_from(entry.line).ok().and_then(|line| line.checked_sub(1));
+            let step = at.and_then(|at| steps.get(at)).copied().unwrap_or_default();
             push_line(&mut text, &format!("{:>5}  {since:>10}  {word}{:padding$}  {step}", entry.line, ""));
             let indent = 5 + 2 + 10 + 2 + width + 2;
             let mut push_below = |below: &str| push_line(&mut text, &format!("{:indent$}{below}", ""));

@@ -11,6 +11,7 @@ mod desk;
 mod diagnosis;
 mod faults;
 mod live;
+mod sequence;
 mod shell;
 
 use serde::{Deserialize, Serialize};
@@ -100,6 +101,7 @@ mod tests {
             desk::ALL,
             builder::ALL,
             console::ALL,
+            sequence::ALL,
         ]
         .into_iter()
         .flatten()

@@ -22,6 +22,8 @@ const RING_SIZES: (u32, u32) = (1000, 5_000_000);
 const BYTES_PER_ENTRY: u64 = 160;
 /// Bytes that may be kept in any case.
 const LEAST_BYTES: u64 = 16 << 20;
+/// Entries that are forgotten at once: letting more go would hold up whoever waits.
+const MOST_FORGOTTEN: usize = 8192;
 /// Notes between two looks at the ring.
 const NOTES: usize = 256;
 /// Silence after which nothing is joined to what came before: more than any adapter holds bytes back.
@@ -280,7 +282,7 @@ impl Desk {
         let (first, end) = (self.transcript.first(), self.transcript.end());
         let ring = live.ring as usize;
         let mut keep_from = first;
-        if end - first > ring + ring / 8 {
+        if end - first > ring + (ring / 8).min(MOST_FORGOTTEN) {
             keep_from = end - ring;
         }
         let most = (u64::from(live.ring) * BYTES_PER_ENTRY).max(LEAST_BYTES);

@@ -1,7 +1,7 @@
 //! Counting and sifting: all entries once, a new one as soon as it is there, a changed one again.
 
 use buslens_codec::UnitId;
-use buslens_codec::diagnose::Diagnosis;
+use buslens_codec::diagnose::{Diagnosis, manual_erratum};
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::outline::Outline;
@@ -181,11 +181,16 @@ impl Desk {
 
     /// What is wrong with an entry. A whole frame of a known shape needs no closer look but for its values.
     fn diagnoses_of(&self, index: usize, entry: &Entry) -> Vec<Diagnosis> {
-        if self.profile.is_some() && entry.check_ok {
-            self.transcript.reading(index, self.profile.as_ref(), &mut Known::default()).diagnoses
-        } else {
-            self.transcript.diagnoses(index)
+        let Some(profile) = self.profile.as_ref().filter(|_| entry.check_ok) else {
+            return self.transcript.diagnoses(index);
+        };
+        let bytes = self.transcript.entry_bytes(index);
+        if matches!((entry.mode, entry.direction, bytes), (Mode::Rtu, Direction::Request, [_, 0x01..=0x04, ..])) {
+            // It carries no values.
+            let erratum = manual_erratum(bytes, profile);
+            return erratum.into_iter().chain(self.transcript.diagnoses(index)).collect();
         }
+        self.transcript.reading(index, Some(profile), &mut Known::default()).diagnoses
     }
 
     fn counted(&self, index: usize, entry: &Entry, facts: Facts) -> Counted {

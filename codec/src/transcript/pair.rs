@@ -7,7 +7,7 @@
 use alloc::borrow::Cow;
 use alloc::collections::VecDeque;
 
-use super::EntryKind;
+use super::Entry;
 use super::recover::{Units, is_right};
 use super::store::Store;
 use crate::diagnose::shape::{self, HEAD_LEN};
@@ -58,7 +58,7 @@ impl<'a> View<'a> {
 /// The frame before an entry, a little noise between them put aside.
 pub(super) fn frame_before(entries: &Store, index: usize) -> Option<usize> {
     let earlier = (entries.first()..index.min(entries.end())).rev().take(MOST_NOISE_BETWEEN + 1);
-    earlier.into_iter().find(|at| entries.at(*at).kind == EntryKind::Frame)
+    earlier.into_iter().find(|at| entries.is_frame(*at))
 }
 
 /// A request that waits for its response.
@@ -119,10 +119,9 @@ impl Pairing {
         &self.units
     }
 
-    /// Finds the last entry's direction and its other half. `frame` is its bytes.
-    pub(super) fn place(&mut self, entries: &mut Store, frame: &[u8]) {
+    /// Finds the direction and the other half of the last entry, given as it was put in, with its bytes.
+    pub(super) fn place(&mut self, entries: &mut Store, entry: &Entry, frame: &[u8]) {
         let Some(index) = entries.end().checked_sub(1) else { return };
-        let entry = entries.at(index);
         let request = self.expected_before(entries, index);
         let around = Surroundings { direction: entry.mark, request };
         let Some(View { unit, pdu }) = View::of(entry.mode, frame, around) else { return };
@@ -140,25 +139,25 @@ impl Pairing {
 
     /// A request by its shape or by the source.
     fn ask(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
-        entries.update(index, |entry| entry.direction = Direction::Request);
+        entries.set_direction(index, Direction::Request);
         if let Some(before) = frame_before(entries, index)
             && entries.at(before).is_unanswered()
             && is_copy(entries, before, index)
         {
             // What was sent and then came in has been heard.
             if (entries.at(before).mark, entries.at(index).mark) == (Direction::Request, Direction::Response) {
-                entries.update(index, |entry| entry.echo = true);
+                entries.set_echo(index, true);
                 self.hears_itself = true;
                 return;
             }
-            entries.update(index, |entry| entry.repeated = true);
+            entries.set_repeated(index, true);
         }
         self.open(index, unit, pdu);
     }
 
     /// A response by its shape or by the source.
     fn answer(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
-        entries.update(index, |entry| entry.direction = Direction::Response);
+        entries.set_direction(index, Direction::Response);
         let Some(at) = self.open.iter().rposition(|open| open.fits(unit, pdu)) else {
             self.answer_behind_echo(entries, index, pdu);
             return;
@@ -168,7 +167,8 @@ impl Pairing {
         if let Some(first) = self.first_of_echo(entries, request, index) {
             self.hears_itself = true;
             self.open.retain(|open| open.index != first);
-            entries.update(request, |entry| (entry.echo, entry.repeated) = (true, false));
+            entries.set_echo(request, true);
+            entries.set_repeated(request, false);
             request = first;
         }
         join(entries, request, index);
@@ -184,14 +184,15 @@ impl Pairing {
                 Copies::Second => self.answer(entries, index, unit, pdu),
                 Copies::Third { request, response } => {
                     take_for_echo(entries, request, response);
-                    entries.update(index, |entry| entry.direction = Direction::Response);
+                    entries.set_direction(index, Direction::Response);
                     join(entries, request, index);
                 }
                 Copies::Fourth { request, echo, response } if !self.hears_itself => {
-                    entries.update(echo, |entry| (entry.echo, entry.direction) = (false, Direction::Response));
+                    entries.set_echo(echo, false);
+                    entries.set_direction(echo, Direction::Response);
                     join(entries, request, echo);
-                    entries.update(response, |entry| entry.direction = Direction::Request);
-                    entries.update(index, |entry| entry.direction = Direction::Response);
+                    entries.set_direction(response, Direction::Request);
+                    entries.set_direction(index, Direction::Response);
                     join(entries, response, index);
                 }
                 Copies::Fourth { .. } => self.ask(entries, index, unit, pdu),
@@ -224,7 +225,7 @@ impl Pairing {
         if !is_response {
             return;
         }
-        entries.update(index, |entry| entry.direction = Direction::Response);
+        entries.set_direction(index, Direction::Response);
         if waits
             && !entry.check_ok
             && let Some(open) = self.open.pop_back()
@@ -284,19 +285,20 @@ impl Pairing {
 }
 
 fn take_for_echo(entries: &mut Store, request: usize, copy: usize) {
-    entries.update(copy, |entry| (entry.echo, entry.pair, entry.direction) = (true, None, Direction::Request));
-    entries.update(request, |entry| entry.pair = None);
+    entries.set_echo(copy, true);
+    entries.set_pair(copy, None);
+    entries.set_direction(copy, Direction::Request);
+    entries.set_pair(request, None);
 }
 
 fn join(entries: &mut Store, request: usize, response: usize) {
-    entries.update(request, |entry| entry.pair = u32::try_from(response).ok());
-    entries.update(response, |entry| entry.pair = u32::try_from(request).ok());
+    entries.set_pair(request, Some(response));
+    entries.set_pair(response, Some(request));
 }
 
 fn is_copy(entries: &Store, first: usize, second: usize) -> bool {
-    entries.at(first).mode == entries.at(second).mode
-        && entries.at(second).check_ok
-        && entries.bytes(first) == entries.bytes(second)
+    let copy = entries.at(second);
+    copy.check_ok && entries.bytes(first) == entries.bytes(second) && entries.at(first).mode == copy.mode
 }
 
 fn copies(entries: &Store, index: usize) -> Copies {

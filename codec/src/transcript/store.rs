@@ -80,6 +80,12 @@ impl Store {
         self.get(index).unwrap_or(Entry::BLANK)
     }
 
+    /// Whether an entry is a frame; `false` for one that is forgotten.
+    pub(super) fn is_frame(&self, index: usize) -> bool {
+        let packed = self.place(index).and_then(|(page, slot)| self.pages.get(page)?.entries.get(slot));
+        packed.is_some_and(|packed| packed.flags.0 & 1 == 0)
+    }
+
     /// Empty for an entry that is not there.
     pub(super) fn bytes(&self, index: usize) -> &[u8] {
         let found = self.place(index).and_then(|(page, slot)| {
@@ -91,7 +97,7 @@ impl Store {
     }
 
     /// Adds an entry behind the last. Its offset and its length follow from the bytes.
-    pub(super) fn push(&mut self, entry: Entry, bytes: &[u8]) {
+    pub(super) fn push(&mut self, entry: &Entry, bytes: &[u8]) {
         if self.end.is_multiple_of(PAGE) {
             if let Some(full) = self.pages.back_mut() {
                 full.bytes.shrink_to_fit();
@@ -111,22 +117,33 @@ impl Store {
             page.lines.push(entry.line);
         }
         let start = u32::try_from(page.bytes.len()).unwrap_or(u32::MAX);
-        page.entries.push(Packed::new(&entry, start, index));
+        page.entries.push(Packed::new(entry, start, index));
         page.bytes.extend_from_slice(bytes);
         self.stream_len = self.stream_len.saturating_add(bytes.len() as u64);
         self.end += 1;
     }
 
-    /// Changes an entry; nothing for one that is forgotten. Its place, its bytes and its line stay.
-    pub(super) fn update(&mut self, index: usize, change: impl FnOnce(&mut Entry)) {
-        let Some((page, slot)) = self.place(index) else { return };
-        let Some(page) = self.pages.get_mut(page) else { return };
-        let Some(packed) = page.entries.get(slot) else { return };
-        let (mut entry, start) = (packed.entry(page, slot, index), packed.start);
-        change(&mut entry);
-        if let Some(packed) = page.entries.get_mut(slot) {
-            *packed = Packed::new(&entry, start, index);
-        }
+    /// The setters change nothing of an entry that is forgotten.
+    pub(super) fn set_direction(&mut self, index: usize, direction: Direction) {
+        self.change(index, |packed| packed.flags.set(2, 3, way(direction)));
+    }
+
+    pub(super) fn set_echo(&mut self, index: usize, echo: bool) {
+        self.change(index, |packed| packed.flags.set(7, 1, echo.into()));
+    }
+
+    pub(super) fn set_repeated(&mut self, index: usize, repeated: bool) {
+        self.change(index, |packed| packed.flags.set(8, 1, repeated.into()));
+    }
+
+    pub(super) fn set_pair(&mut self, index: usize, pair: Option<usize>) {
+        self.change(index, |packed| packed.pair = pair.map_or(0, |pair| distance(index, pair)));
+    }
+
+    fn change(&mut self, index: usize, change: impl FnOnce(&mut Packed)) {
+        let packed = self.place(index).and_then(|(page, slot)| self.pages.get_mut(page)?.entries.get_mut(slot));
+        let Some(packed) = packed else { return };
+        change(packed);
         if index < self.watched
             && let Ok(index) = u32::try_from(index)
         {
@@ -160,6 +177,7 @@ impl Store {
     }
 
     /// Page and place in it.
+    #[inline]
     fn place(&self, index: usize) -> Option<(usize, usize)> {
         let at = index.checked_sub(self.base).filter(|_| index >= self.first)?;
         Some((at / PAGE, at % PAGE))
@@ -167,6 +185,7 @@ impl Store {
 }
 
 impl Page {
+    #[inline]
     fn end_of(&self, slot: usize) -> usize {
         self.entries.get(slot + 1).map_or(self.bytes.len(), |next| next.start as usize)
     }
@@ -174,18 +193,18 @@ impl Page {
 
 impl Packed {
     fn new(entry: &Entry, start: u32, index: usize) -> Self {
-        let pair = entry.pair.map_or(0, |pair| i64::from(pair) - i64::try_from(index).unwrap_or(i64::MAX));
         Self {
             time_us: entry.time_us.map_or(NO_TIME, |time| time.min(NO_TIME - 1)),
             start,
-            pair: i32::try_from(pair).unwrap_or(0),
+            pair: entry.pair.map_or(0, |pair| distance(index, pair as usize)),
             span_us: entry.span_us,
             flags: Flags::new(entry),
         }
     }
 
+    #[inline]
     fn entry(&self, page: &Page, slot: usize, index: usize) -> Entry {
-        let pair = i64::try_from(index).unwrap_or(i64::MAX).saturating_add(i64::from(self.pair));
+        let pair = u32::try_from(index).ok().and_then(|index| index.checked_add_signed(self.pair));
         let len = page.end_of(slot).saturating_sub(self.start as usize);
         let entry = Entry {
             offset: page.offset.saturating_add(u64::from(self.start)),
@@ -193,20 +212,34 @@ impl Packed {
             line: page.lines.get(slot).copied().unwrap_or(0),
             time_us: (self.time_us != NO_TIME).then_some(self.time_us),
             span_us: self.span_us,
-            pair: u32::try_from(pair).ok().filter(|_| self.pair != 0),
+            pair: pair.filter(|_| self.pair != 0),
             ..Entry::BLANK
         };
         self.flags.unpack(entry)
     }
 }
 
+/// From one entry to another.
+fn distance(from: usize, to: usize) -> i32 {
+    let number = |index: usize| i64::try_from(index).unwrap_or(i64::MAX);
+    i32::try_from(number(to).saturating_sub(number(from))).unwrap_or(0)
+}
+
+fn way(direction: Direction) -> u16 {
+    match direction {
+        Direction::Unknown => 0,
+        Direction::Request => 1,
+        Direction::Response => 2,
+    }
+}
+
 impl Flags {
+    /// Puts a value into the bits of a mask from a place on.
+    fn set(&mut self, place: u16, mask: u16, value: u16) {
+        self.0 = self.0 & !(mask << place) | value << place;
+    }
+
     fn new(entry: &Entry) -> Self {
-        let way = |direction| match direction {
-            Direction::Unknown => 0,
-            Direction::Request => 1,
-            Direction::Response => 2,
-        };
         let bits = u16::from(entry.kind == EntryKind::Noise)
             | u16::from(entry.mode == Mode::Ascii) << 1
             | way(entry.direction) << 2
@@ -214,8 +247,14 @@ impl Flags {
             | u16::from(entry.check_ok) << 6
             | u16::from(entry.echo) << 7
             | u16::from(entry.repeated) << 8;
-        let origin = Origin::ALL.iter().zip(0u16..).find(|(origin, _)| **origin == entry.origin);
-        Self(bits | origin.map_or(0, |(_, number)| number) << 9)
+        let origin = match entry.origin {
+            Origin::Unknown => 0,
+            Origin::Poll => 1,
+            Origin::Console => 2,
+            Origin::Sequence => 3,
+            Origin::Configuration => 4,
+        };
+        Self(bits | origin << 9)
     }
 
     fn unpack(self, entry: Entry) -> Entry {
@@ -233,7 +272,13 @@ impl Flags {
             check_ok: is(6),
             echo: is(7),
             repeated: is(8),
-            origin: Origin::ALL.get(usize::from(self.0 >> 9)).copied().unwrap_or_default(),
+            origin: match self.0 >> 9 {
+                1 => Origin::Poll,
+                2 => Origin::Console,
+                3 => Origin::Sequence,
+                4 => Origin::Configuration,
+                _ => Origin::Unknown,
+            },
             ..entry
         }
     }
@@ -268,12 +313,12 @@ mod tests {
             origin: Origin::ALL[index % 5],
         };
         for index in 0..3 * PAGE + 5 {
-            store.push(entry(index), &[u8::try_from(index % 251).unwrap(), 1]);
+            store.push(&entry(index), &[u8::try_from(index % 251).unwrap(), 1]);
         }
         store.forget_before(PAGE + 1);
         store.watch(2 * PAGE);
         for index in [2 * PAGE - 1, 2 * PAGE, 17] {
-            store.update(index, |entry| entry.pair = None);
+            store.set_pair(index, None);
         }
         assert_eq!(store.take_changed(), [u32::try_from(2 * PAGE - 1).unwrap()]);
         assert_eq!((store.get(PAGE), store.bytes(PAGE), store.pages.len()), (None, &[][..], 3));

@@ -29,7 +29,7 @@ const fn shifted(name: &'static str, shown: &'static str, what: Label, act: fn(&
 }
 
 /// The keys that work wherever nothing is typed.
-const KEYS: [Key; 19] = [
+const KEYS: [Key; 21] = [
     key("/", "/", Language::key_search, |_| {
         dom::focus(FILTER);
     }),
@@ -57,6 +57,8 @@ const KEYS: [Key; 19] = [
     key("j", "J", Language::key_copy_json, |app| copy(app, Copied::Json)),
     key("r", "R", Language::key_replay, |app| app.console.play()),
     key("b", "B", Language::key_build, |app| app.console.builder_open.set(true)),
+    key("g", "G", Language::key_sequence_run, super::sequence::run),
+    key("h", "H", Language::key_sequence_stop, super::sequence::stop),
     key("1", "1", Language::pane_frame, |app| open_pane(app, 0)),
     key("2", "2", Language::statistics, |app| open_pane(app, 1)),
     key("3", "3", Language::pane_snippets, |app| open_pane(app, 2)),

@@ -7,6 +7,7 @@ use buslens_codec::line::Mode;
 use wasm_bindgen::JsValue;
 
 use super::dock::Dock;
+use super::sequence::Sequences;
 use super::setup::Setup;
 use crate::analyst::Analyst;
 use crate::components::desk::{Bytes, CONNECTED, Clock, Desk, NO_PROFILE, NOTHING, Times};
@@ -53,6 +54,8 @@ pub(crate) struct Console {
     pub(super) speed: RwSignal<String>,
     /// The send line with all that belongs to it.
     pub(super) dock: Dock,
+    /// Sequences, and the report of the last run.
+    pub(super) sequences: Sequences,
     /// Lines that are kept under names.
     pub(super) snippets: RwSignal<Vec<Snippet>>,
     /// Which of the panes beside the log is open.
@@ -91,6 +94,7 @@ impl Console {
             replayed: RwSignal::new(false),
             speed: kept("console-speed", "1000"),
             dock: Dock::remembered(),
+            sequences: Sequences::remembered(),
             snippets: RwSignal::new(snippets::read(&kept_snippets).unwrap_or_default()),
             tab: kept("console-tab", "frame"),
             keys_open: RwSignal::new(false),
@@ -259,7 +263,10 @@ impl Console {
             FromConsole::Line(state) => self.line.set(Some(state)),
             FromConsole::Sent { id, times, more, outcome } => self.dock.take_outcome(id, times, more, outcome),
             FromConsole::Replay(replay) => self.replay.set(replay),
-            FromConsole::Checked { .. } | FromConsole::Run { .. } => {}
+            FromConsole::Checked { edition, faults, cautions } => {
+                self.sequences.take_checked(edition, faults, cautions);
+            }
+            FromConsole::Run { edition, changes } => self.sequences.take_changes(edition, changes),
         }
     }
 

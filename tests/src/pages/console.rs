@@ -335,8 +335,8 @@ impl<'a> ConsolePage<'a> {
 
     /// Waits until what is repeated was sent so many times.
     pub async fn wait_for_repetitions(&self, times: u32) {
-        let text = "document.querySelector('[data-test=send-result]').innerText.replace(/\\u202f/g, '')";
-        self.browser.wait_for(&format!("(parseInt({text}.match(/(\\d+)\\s*[×x]/)?.[1] ?? '0')) >= {times}")).await;
+        let told = "document.querySelector('[data-test=send-result]')?.dataset.times";
+        self.browser.wait_for(&format!("Number({told}) >= {times}")).await;
     }
 
     /// Waits until nothing has come into the list for half a second.
@@ -380,19 +380,48 @@ impl<'a> ConsolePage<'a> {
     /// Presses keys wherever the focus is, one after the other, as `Enter` or `a`.
     pub async fn press(&self, keys: &[&str]) {
         for key in keys {
-            let parameters = |kind: &str| {
-                let text = if key.chars().count() == 1 { *key } else { "" };
-                let mut event = serde_json::json!({ "type": kind, "key": key, "code": key });
-                if *key == "Enter" {
-                    event["text"] = "\r".into();
-                    event["windowsVirtualKeyCode"] = 13.into();
-                } else if !text.is_empty() && kind == "keyDown" {
+            let text = match *key {
+                "Enter" => "\r",
+                key if key.chars().count() == 1 => key,
+                _ => "",
+            };
+            let code = key_code(key);
+            for kind in ["keyDown", "keyUp"] {
+                let mut event =
+                    serde_json::json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code });
+                if kind == "keyDown" && !text.is_empty() {
                     event["text"] = text.into();
                 }
-                event
-            };
-            self.browser.devtools("Input.dispatchKeyEvent", parameters("keyDown")).await;
-            self.browser.devtools("Input.dispatchKeyEvent", parameters("keyUp")).await;
+                self.browser.devtools("Input.dispatchKeyEvent", event).await;
+            }
         }
+    }
+
+    /// Goes from element to element with the tab key until this one has the focus.
+    pub async fn tab_to(&self, name: &str) {
+        let has_focus = format!("return document.activeElement?.dataset.test === {name:?}");
+        for _ in 0..100 {
+            if self.browser.run(&has_focus).await == true {
+                return;
+            }
+            self.press(&["Tab"]).await;
+        }
+        panic!("{name} is not reached by the tab key");
+    }
+}
+
+/// What the browser wants to know of keys that type nothing.
+fn key_code(key: &str) -> u32 {
+    match key {
+        "Backspace" => 8,
+        "Tab" => 9,
+        "Enter" => 13,
+        "Escape" => 27,
+        "End" => 35,
+        "Home" => 36,
+        "ArrowUp" => 38,
+        "ArrowDown" => 40,
+        "F6" => 117,
+        _ => 0,
     }
 }

@@ -8,13 +8,13 @@ use buslens_codec::{UnitId, rtu};
 
 use super::wire::FarEnd;
 
-/// Bytes that are written at once where nothing else sets the pace.
+/// Bytes that wait for room at the most.
 const PORTION: usize = 2048;
 
 /// A master that reads one register of a device again and again. Each reply holds the number of its exchange, so that a
 /// lost one is missed.
 pub struct Chatter {
-    pace: Option<Duration>,
+    pace: Duration,
     left: u32,
     next: u32,
     /// When the next frame begins, and whether it is a reply.
@@ -31,7 +31,7 @@ impl Chatter {
     /// Silent until it is told to talk. With `keeps` it remembers what it has said.
     pub fn silent(keeps: bool) -> Self {
         Self {
-            pace: None,
+            pace: Duration::ZERO,
             left: 0,
             next: 0,
             due: None,
@@ -43,8 +43,9 @@ impl Chatter {
         }
     }
 
-    /// Talks from now on: so many exchanges, with `pace` from frame to frame; `None` as fast as somebody listens.
-    pub fn talk(&mut self, now: Instant, exchanges: u32, pace: Option<Duration>) {
+    /// Talks from now on: so many exchanges, with `pace` from frame to frame. At 50 microseconds a pty still has room; one
+    /// that was full is read slowly from then on.
+    pub fn talk(&mut self, now: Instant, exchanges: u32, pace: Duration) {
         (self.pace, self.left, self.due) = (pace, exchanges, Some(now));
     }
 
@@ -93,7 +94,7 @@ impl FarEnd for Chatter {
     fn handle_timeout(&mut self, now: Instant) {
         while let Some(due) = self.poll_timeout().filter(|&due| due <= now) {
             self.say();
-            self.due = Some(self.pace.map_or(due, |pace| due + pace));
+            self.due = Some(due + self.pace);
         }
     }
 

@@ -18,6 +18,9 @@ use nix::sys::time::TimeSpec;
 
 use super::pty::Pty;
 
+/// Time until a pty that was full is tried again.
+const LOOK_AGAIN: Duration = Duration::from_millis(5);
+
 /// What is at the other end of the wire; sans-io like everything below the page.
 pub trait FarEnd: Send + 'static {
     /// The browser's port is now set to `settings`.
@@ -216,7 +219,7 @@ impl<F: FarEnd> Drop for Wire<F> {
 fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
     let mut buffer = [0; 4096];
     loop {
-        let (due, is_full) = {
+        let due = {
             let mut state = shared.lock();
             if state.stopping {
                 return;
@@ -224,11 +227,13 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
             let now = shared.now();
             advance(&mut state, pty, now);
             let due = state.far_end.as_ref().and_then(FarEnd::poll_timeout);
-            (due.map(|due| due.saturating_since(shared.now())), !state.unsent.is_empty())
+            let due = due.map(|due| due.saturating_since(shared.now()));
+            // A pty does not tell when there is room again.
+            let look_again = (!state.unsent.is_empty()).then_some(LOOK_AGAIN);
+            due.into_iter().chain(look_again).min()
         };
-        let mut wanted = PollFlags::POLLIN;
-        wanted.set(PollFlags::POLLOUT, is_full);
-        let mut ready = [PollFd::new(pty.master.as_fd(), wanted), PollFd::new(bell.as_fd(), PollFlags::POLLIN)];
+        let mut ready =
+            [PollFd::new(pty.master.as_fd(), PollFlags::POLLIN), PollFd::new(bell.as_fd(), PollFlags::POLLIN)];
         match ppoll(&mut ready, due.map(TimeSpec::from_duration), None) {
             Ok(_) | Err(Errno::EINTR) => {}
             Err(_) => return,
