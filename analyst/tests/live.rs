@@ -96,6 +96,24 @@ fn a_row_that_changes_makes_another_edition() {
 }
 
 #[test]
+fn what_was_wrong_with_the_entry_behind_is_looked_at_again() {
+    let mut desk = Desk::live(0);
+    desk.choose(ProfileChoice::None);
+    let mismatches = |desk: &Desk| {
+        let diagnoses = desk.statistics().unwrap().diagnoses;
+        diagnoses.iter().find(|(id, _)| id == "byte_count_mismatch").map_or(0, |(_, count)| *count)
+    };
+    desk.record(&[opened(0), sent(1_000_000, Origin::Poll, ask(1, 0, 1)), received(1_020_000, answer(1, &[7, 8]))]);
+    desk.settle(1_200_000);
+    assert_eq!(mismatches(&desk), 1);
+    // The reply that fits comes after all: what came before it answered something else.
+    desk.record(&[received(1_300_000, answer(1, &[7]))]);
+    desk.settle(1_500_000);
+    assert_eq!(mismatches(&desk), 0);
+    assert_eq!(rows(&desk)[1].diagnoses, []);
+}
+
+#[test]
 fn what_happens_to_the_port_stands_before_the_next_entry() {
     let mut desk = Desk::live(0);
     let reply = answer(1, &[7]);
