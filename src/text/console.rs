@@ -143,7 +143,7 @@ texts! {
     snippets_import => "Import…" | "导入…";
     snippets_export => "Export" | "导出";
     snippets_empty => "Nothing kept yet. Give the send line a name to have it back with a click." | "尚无收藏。为发送行命名后，即可一键取回。";
-    snippets_brought(count: usize) => "The file held {count} snippets." | "文件中有 {count} 条。";
+    snippets_brought(count: usize) => "Snippets taken from the file: {count}." | "文件中有 {count} 条。";
     snippets_no_json(line: usize) => "This file is not JSON: it goes wrong in line {line}. Nothing was taken from it." | "该文件不是 JSON：第 {line} 行有误。未导入任何内容。";
     snippets_none => "This file holds no snippets of this program. Nothing was taken from it." | "该文件中没有本程序的收藏。未导入任何内容。";
     snippets_wrong(number: usize, key: &str) => "Snippet {number} of this file has no right “{key}”. Nothing was taken from it." | "文件中第 {number} 条的“{key}”不正确。未导入任何内容。";
