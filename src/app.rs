@@ -9,12 +9,13 @@ use wasm_bindgen::JsCast;
 use crate::ambient::Ambient;
 use crate::components::shell::{rail, top_bar};
 use crate::crash;
+use crate::device;
 use crate::dom::{el, mount, on_window, react};
 use crate::history::History;
 use crate::link;
 use crate::loader::{self, Loading};
-use crate::message::{Connection, Health, Link, PortId, Status, ToEngine, ToWindow, ToWorkbench};
-use crate::pages::live_page;
+use crate::message::{Connection, Health, Line, Link, PortId, Source, Status, ToEngine, ToWindow, ToWorkbench};
+use crate::pages::{connect_above, live_page};
 use crate::route::{self, Page};
 use crate::serial::PickFault;
 use crate::settings::Settings;
@@ -42,8 +43,12 @@ pub(crate) struct App {
     pub(crate) ports: RwSignal<Vec<PortId>>,
     /// What the engine said last.
     pub(crate) status: RwSignal<Status>,
-    /// What the engine was last asked to connect.
+    /// What the engine was last asked to connect, or what it plays, with the settings in force.
     pub(crate) connection: RwSignal<Option<Connection>>,
+    /// Whether the device is polled.
+    pub(crate) polling: RwSignal<bool>,
+    /// Whether only reads are let out.
+    pub(crate) read_only: RwSignal<bool>,
     /// Why the picker brought no port.
     pub(crate) pick_fault: RwSignal<Option<PickFault>>,
     /// The fields of the connection card.
@@ -122,11 +127,12 @@ impl Phase {
         }
     }
 
-    /// Its name for the user.
-    pub(crate) fn title(self, language: Language) -> &'static str {
+    /// Its name for the user; without polling nothing is waited for.
+    pub(crate) fn title(self, language: Language, polling: bool) -> &'static str {
         match self {
             Self::Closed => language.state_closed(),
             Self::Opening => language.state_opening(),
+            Self::Waiting if !polling => language.state_listening(),
             Self::Waiting => language.state_waiting(),
             Self::Reading => language.state_reading(),
             Self::Failing => language.state_failing(),
@@ -151,6 +157,8 @@ impl App {
             ports: RwSignal::default(),
             status,
             connection: RwSignal::new(None),
+            polling: RwSignal::new(true),
+            read_only: RwSignal::new(false),
             pick_fault: RwSignal::new(None),
             settings: Settings::remembered(),
             history: StoredValue::new(History::default()),
@@ -161,6 +169,16 @@ impl App {
             clock_lead_s: StoredValue::new(None),
             phase: Memo::new(move |_| status.with(|status| Phase::of(&status.link, &status.health))),
         }
+    }
+
+    /// Link and device in words.
+    pub(crate) fn phase_title(&self) -> String {
+        self.phase.get().title(self.language.get(), self.polling.get()).to_owned()
+    }
+
+    /// Whether a recording is played.
+    pub(crate) fn is_replay(&self) -> bool {
+        self.connection.with(|used| used.as_ref().is_some_and(|used| used.source == Source::Replay))
     }
 
     /// Asks the engine to connect and starts a new history.
@@ -189,16 +207,33 @@ impl App {
             ToWindow::Status(status) => {
                 if let Some(newest) = status.samples.last() {
                     // A message only ever takes longer than the fastest one, so the largest lead is the truest.
+                    // A recording has a clock and a pace of its own.
                     let lead = newest.at_s - window_seconds();
-                    self.clock_lead_s.update_value(|known| *known = Some(known.map_or(lead, |known| known.max(lead))));
+                    let least = if self.is_replay() { None } else { self.clock_lead_s.get_value() };
+                    self.clock_lead_s.set_value(Some(least.map_or(lead, |known| known.max(lead))));
                     self.history.update_value(|history| history.take(&status.samples));
                     self.history_turn.update(|turn| *turn = turn.wrapping_add(1));
                 }
                 self.status.set(status);
             }
+            ToWindow::Line(line) => self.hear_line(line),
             // The link has shown the crash page already.
             ToWindow::Panicked(_) => {}
         }
+    }
+
+    fn hear_line(&self, line: Line) {
+        let Line { connection, polling, read_only } = line;
+        if connection.source == Source::Replay && !self.is_replay() {
+            self.forget_readings();
+            // The figures are those of the chosen device.
+            if let Some(device) = device::all().iter().find(|device| device.packed() == connection.profile) {
+                self.settings.device.set(device.id().to_owned());
+            }
+        }
+        self.connection.set(Some(connection));
+        self.polling.set(polling);
+        self.read_only.set(read_only);
     }
 
     fn forget_readings(&self) {
@@ -234,7 +269,10 @@ fn build() {
     let content = content.live_one(move || {
         Some(match page.get() {
             Page::Live => live_page(app),
-            page => loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None)),
+            page => {
+                let place = loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None));
+                if page == Page::Console { connect_above(app).child(place) } else { place }
+            }
         })
     });
     mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));

@@ -44,6 +44,11 @@ pub(crate) fn find(id: &str) -> &'static Device {
     all().iter().find(|device| device.id() == id).unwrap_or_else(first)
 }
 
+/// The device whose packed profile this is.
+pub(crate) fn of_packed(packed: &[u8]) -> Option<&'static Device> {
+    all().iter().find(|device| device.packed == packed)
+}
+
 impl Device {
     /// The text of its profile's file. The first program does without: it would carry all texts.
     pub(crate) fn source(&self) -> &'static str {

@@ -648,7 +648,7 @@ mod tests {
                         2 => bytes.insert(at, 0x55),
                         _ => bytes.truncate(at),
                     }
-                    let segment = Segment { start: 0, mode, direction: Direction::Unknown, time_us: None, line: 1 };
+                    let segment = Segment { mode, line: 1, ..Segment::default() };
                     let mut transcript = Transcript::new();
                     transcript.push(&bytes, &[segment]);
                     transcript.finish();

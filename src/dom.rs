@@ -11,7 +11,7 @@ use std::any::Any;
 use crate::reactive::prelude::*;
 use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
-use web_sys::{Blob, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
+use web_sys::{Blob, BlobPropertyBag, Element, Event, EventTarget, FocusEvent, HtmlElement, KeyboardEvent, Node, Url};
 
 use crate::ambient::Ambient;
 use crate::text::Language;
@@ -256,6 +256,16 @@ pub(crate) fn save_file(file: &Blob, name: &str) {
     let _ = Url::revoke_object_url(&address);
 }
 
+/// Lets the browser save a text as a file.
+pub(crate) fn save_text(text: &str, kind: &str, name: &str) {
+    let options = BlobPropertyBag::new();
+    options.set_type(kind);
+    let parts = js_sys::Array::of1(&text.into());
+    if let Ok(file) = Blob::new_with_str_sequence_and_options(&parts, &options) {
+        save_file(&file, name);
+    }
+}
+
 /// Whether the element of an event, one that opens and closes, is open.
 pub(crate) fn is_open(event: &Event) -> bool {
     event.target().and_then(|target| Reflect::get(&target, &"open".into()).ok()).is_some_and(|open| open.is_truthy())
@@ -271,6 +281,48 @@ pub(crate) fn attribute_around(event: &Event, name: &str) -> Option<String> {
 /// The key of a keyboard's event, as `ArrowDown`; empty for other events.
 pub(crate) fn key(event: &Event) -> String {
     event.dyn_ref::<KeyboardEvent>().map(KeyboardEvent::key).unwrap_or_default()
+}
+
+/// Whether the shift key was held, of a keyboard's or a mouse's event.
+pub(crate) fn is_shifted(event: &Event) -> bool {
+    Reflect::get(event, &"shiftKey".into()).is_ok_and(|held| held.is_truthy())
+}
+
+/// Whether control or the command key was held.
+pub(crate) fn is_commanded(event: &Event) -> bool {
+    ["ctrlKey", "metaKey", "altKey"]
+        .iter()
+        .any(|key| Reflect::get(event, &(*key).into()).is_ok_and(|held| held.is_truthy()))
+}
+
+/// Whether an event came from something that is typed into or chosen from.
+pub(crate) fn is_typing(event: &Event) -> bool {
+    let target = event.target().and_then(|target| target.dyn_into::<Element>().ok());
+    target.is_some_and(|target| target.closest("input,textarea,select").is_ok_and(|found| found.is_some()))
+}
+
+/// Moves the focus to the element with this id; whether there is one.
+pub(crate) fn focus(id: &str) -> bool {
+    let found = document().get_element_by_id(id).and_then(|found| found.dyn_into::<HtmlElement>().ok());
+    found.is_some_and(|found| found.focus().is_ok())
+}
+
+/// Moves the focus to the text field with this id, and the cursor to a place in it, counted in UTF-16 units.
+pub(crate) fn select(id: &str, at: u32) {
+    if focus(id)
+        && let Some(field) = document().get_element_by_id(id)
+        && let Some(select) = Reflect::get(&field, &"setSelectionRange".into())
+            .ok()
+            .and_then(|select| select.dyn_into::<js_sys::Function>().ok())
+    {
+        // Text fields take any place.
+        let _ = select.call2(&field, &at.into(), &at.into());
+    }
+}
+
+/// Whether the element with this id has the focus.
+pub(crate) fn has_focus(id: &str) -> bool {
+    document().active_element().is_some_and(|found| found.id() == id)
 }
 
 /// The value of the field that an event came from.

@@ -4,7 +4,7 @@
 
 use std::cell::RefCell;
 
-use js_sys::Uint8Array;
+use js_sys::{Array, Uint8Array};
 use wasm_bindgen::prelude::*;
 use web_sys::Worker;
 
@@ -34,9 +34,14 @@ pub(crate) fn send(message: &ToEngine) {
     WORKER.with_borrow(|worker| {
         if let Some(worker) = worker {
             // Bytes can always be posted.
-            let _ = worker.post_message(&Uint8Array::from(bytes.as_slice()));
+            let _ = worker.post_message(&Array::of1(&Uint8Array::from(bytes.as_slice())));
         }
     });
+}
+
+/// The worker for the other program in the window.
+pub(crate) fn worker() -> JsValue {
+    WORKER.with_borrow(|worker| worker.clone().map_or(JsValue::UNDEFINED, JsValue::from))
 }
 
 /// Ends the engine at once, which closes its port.

@@ -4,7 +4,7 @@
 
 use std::cell::RefCell;
 
-use js_sys::{Promise, Uint8Array};
+use js_sys::{Array, Promise, Uint8Array};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
@@ -12,7 +12,9 @@ use crate::app::App;
 use crate::components::button::button;
 use crate::components::icon::{Icon, icon};
 use crate::crash;
+use crate::device;
 use crate::dom::{El, el, react};
+use crate::link;
 use crate::message::ToWorkbench;
 use crate::reactive::prelude::*;
 use crate::text::Language;
@@ -39,6 +41,13 @@ pub(crate) fn follow(app: &'static App) {
     react(move || {
         let language = app.language.get();
         send(&ToWorkbench::Language(language), &JsValue::UNDEFINED);
+    });
+    react(move || {
+        let used = app.connection.get().filter(|_| app.phase.get().is_connected());
+        let device = used.and_then(|used| Some((device::of_packed(&used.profile)?.id().to_owned(), used.unit.0)));
+        if app.workbench.get() == Loading::There {
+            send(&ToWorkbench::Device(device), &JsValue::UNDEFINED);
+        }
     });
 }
 
@@ -81,7 +90,8 @@ fn load(app: &'static App) {
         let Ok(program) = loaded else { return app.workbench.set(Loading::Failed) };
         PROGRAM.with_borrow_mut(|slot| *slot = Some(program.unchecked_into()));
         let tell = Closure::<dyn Fn(String)>::new(|details: String| crash::report(&details));
-        send(&ToWorkbench::Start(app.language.get_untracked()), tell.as_ref());
+        let beside = Array::of2(tell.as_ref(), &link::worker());
+        send(&ToWorkbench::Start(app.language.get_untracked()), &beside);
         tell.forget();
         app.workbench.set(Loading::There);
     });

@@ -22,6 +22,8 @@ pub(crate) enum ToEngine {
     Disconnect,
     /// The user has granted a port: look again.
     PortsChanged,
+    /// The console's worker is there. Beside it: the channel to it.
+    Attach,
 }
 
 /// Engine to window.
@@ -31,6 +33,8 @@ pub(crate) enum ToWindow {
     Ports(Vec<PortId>),
     /// The state of everything. Sent when something in it has changed.
     Status(Status),
+    /// The connection as it is now, which the console may have changed. Sent when something in it has changed.
+    Line(Line),
     /// The engine has failed for good; its worker must be ended, which closes the port.
     Panicked(String),
 }
@@ -38,12 +42,15 @@ pub(crate) enum ToWindow {
 /// The window's first program to its second one, the workbench. An element or a function comes beside some of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum ToWorkbench {
-    /// Begin, with all texts in this language. Beside it: the function that a fault's details are told to.
+    /// Begin, with all texts in this language. Beside it: the function that a fault's details are told to, and the
+    /// engine's worker.
     Start(Language),
     /// The language is another one.
     Language(Language),
     /// Show this page, or none. Beside it: the element that it is to stand in.
     Page(Option<Page>),
+    /// The device that is connected, or none: its profile's id and its unit id.
+    Device(Option<(String, u8)>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
 }
@@ -79,10 +86,21 @@ pub(crate) struct Connection {
     pub mode: Mode,
     /// The device's address, 0 to 255.
     pub unit: UnitId,
-    /// Wanted time between two readings, in milliseconds.
+    /// Wanted time between two readings, in milliseconds; 0 only listens.
     pub period_ms: u32,
     /// The device's profile, packed.
     pub profile: Vec<u8>,
+}
+
+/// A connection as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Line {
+    /// What is connected, with the settings in force.
+    pub connection: Connection,
+    /// Whether the device is polled.
+    pub polling: bool,
+    /// Whether only reads are let out.
+    pub read_only: bool,
 }
 
 /// Where the bytes go.
@@ -92,6 +110,8 @@ pub(crate) enum Source {
     Simulator,
     /// A serial port of this machine.
     Serial(PortId),
+    /// Nowhere: a recording is played.
+    Replay,
 }
 
 /// The state of everything that the engine knows.

@@ -7,9 +7,10 @@ use reactive_graph::owner::Owner;
 
 /// What every part of the page needs.
 pub(crate) mod prelude {
-    pub(crate) use leptos_dom::helpers::{document, set_interval_with_handle, window};
+    pub(crate) use leptos_dom::helpers::{document, request_animation_frame, set_interval_with_handle, window};
     pub(crate) use reactive_graph::computed::Memo;
     pub(crate) use reactive_graph::effect::RenderEffect;
+    pub(crate) use reactive_graph::graph::untrack;
     pub(crate) use reactive_graph::owner::{StoredValue, on_cleanup};
     pub(crate) use reactive_graph::signal::RwSignal;
     pub(crate) use reactive_graph::traits::{

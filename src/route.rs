@@ -15,6 +15,8 @@ pub(crate) enum Page {
     Decoder,
     /// `#/builder`.
     Builder,
+    /// `#/console`, or `#/console?send=HEX` with bytes to be sent.
+    Console,
 }
 
 impl Page {
@@ -23,6 +25,7 @@ impl Page {
         match parts(hash).0 {
             "decoder" => Self::Decoder,
             "builder" => Self::Builder,
+            "console" => Self::Console,
             _ => Self::Live,
         }
     }
@@ -36,6 +39,11 @@ pub(crate) fn follow() -> RwSignal<Page> {
 /// What the address brings to be read, as a signal that follows it; empty for nothing.
 pub(crate) fn follow_text() -> RwSignal<String> {
     follow_as(text_of)
+}
+
+/// The digits of the bytes that the address brings to be sent, as a signal that follows it; empty for none.
+pub(crate) fn follow_send() -> RwSignal<String> {
+    follow_as(send_of)
 }
 
 fn follow_as<T: Send + Sync + 'static>(read: fn(&str) -> T) -> RwSignal<T> {
@@ -63,11 +71,27 @@ fn text_of(hash: &str) -> String {
     values("text=").next().and_then(decoded).unwrap_or_else(|| frames.join("\n"))
 }
 
+/// What an address of the console brings to be sent.
+fn send_of(hash: &str) -> String {
+    let (path, query) = parts(hash);
+    let digits = query.split('&').find_map(|pair| pair.strip_prefix("send=")).filter(|_| path == "console");
+    digits.unwrap_or_default().to_owned()
+}
+
 /// Takes the text out of the address once it is on the page, so that a reload does not bring it back over what was typed
 /// since.
 pub(crate) fn forget_text() {
+    forget("#/decoder");
+}
+
+/// The same for bytes to be sent.
+pub(crate) fn forget_send() {
+    forget("#/console");
+}
+
+fn forget(page: &str) {
     if let Ok(history) = window().history() {
-        let _ = history.replace_state_with_url(&JsValue::NULL, "", Some("#/decoder"));
+        let _ = history.replace_state_with_url(&JsValue::NULL, "", Some(page));
     }
 }
 
@@ -118,9 +142,24 @@ pub(crate) fn decoder_link(frames: &[&[u8]]) -> String {
     link
 }
 
+/// The address that puts bytes into the console's send line.
+pub(crate) fn console_link(bytes: &[u8]) -> String {
+    let mut link = String::from("#/console?send=");
+    crate::format::push_hex(&mut link, bytes);
+    link
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_console_is_brought_bytes_to_send() {
+        let link = console_link(&[0x0C, 0xFF]);
+        assert_eq!(link, "#/console?send=0CFF");
+        assert_eq!((Page::of(&link), send_of(&link).as_str(), text_of(&link).as_str()), (Page::Console, "0CFF", ""));
+        assert_eq!((send_of("#/console"), send_of("#/decoder?send=00")), (String::new(), String::new()));
+    }
 
     #[test]
     fn unknown_addresses_lead_to_the_live_page() {

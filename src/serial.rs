@@ -15,11 +15,8 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
 use crate::crash;
-use crate::engine::port::{Port, PortEvent};
+use crate::engine::port::{Port, PortEvent, Signal};
 use crate::message::{OpenFault, PortId};
-
-/// Bytes that the browser buffers for us. Its default of 255 is less than one RTU frame.
-const BUFFER_BYTES: u32 = 8192;
 
 /// A dead adapter never settles a promise: no step of closing waits longer than this, in milliseconds.
 const STEP_MS: i32 = 1000;
@@ -96,8 +93,9 @@ pub(crate) struct WebSerialPort {
 }
 
 enum Order {
-    Open(LineSettings),
+    Open(LineSettings, u32),
     Write(Vec<u8>),
+    Signal(Signal),
     Close,
 }
 
@@ -116,8 +114,8 @@ impl WebSerialPort {
 }
 
 impl Port for WebSerialPort {
-    fn open(&self, settings: LineSettings) {
-        self.order(Order::Open(settings));
+    fn open(&self, settings: LineSettings, buffer_bytes: u32) {
+        self.order(Order::Open(settings, buffer_bytes));
     }
 
     fn write(&self, bytes: &[u8]) {
@@ -126,6 +124,10 @@ impl Port for WebSerialPort {
 
     fn close(&self) {
         self.order(Order::Close);
+    }
+
+    fn signal(&self, signal: Signal) {
+        self.order(Order::Signal(signal));
     }
 }
 
@@ -137,11 +139,11 @@ async fn serve(id: PortId, mut queue: mpsc::UnboundedReceiver<Order>, sink: Sink
     let mut session: Option<Session> = None;
     while let Some(order) = queue.next().await {
         match order {
-            Order::Open(settings) => {
+            Order::Open(settings, buffer_bytes) => {
                 if let Some(open) = session.take() {
                     open.close().await;
                 }
-                match open(&mut choice, settings, &sink).await {
+                match open(&mut choice, &open_options(settings, buffer_bytes), &sink).await {
                     Ok(open) => {
                         session = Some(open);
                         sink(PortEvent::Opened);
@@ -152,6 +154,11 @@ async fn serve(id: PortId, mut queue: mpsc::UnboundedReceiver<Order>, sink: Sink
             Order::Write(bytes) => {
                 if let Some(open) = &session {
                     open.write(&bytes);
+                }
+            }
+            Order::Signal(signal) => {
+                if let Some(open) = &session {
+                    open.signal(signal).await;
                 }
             }
             Order::Close => {
@@ -206,9 +213,9 @@ struct Session {
     sink: Sink,
 }
 
-async fn open(choice: &mut Choice, settings: LineSettings, sink: &Sink) -> Result<Session, OpenFault> {
+async fn open(choice: &mut Choice, options: &Object, sink: &Sink) -> Result<Session, OpenFault> {
     let port = choice.find().await.ok_or(OpenFault::Missing)?;
-    let opening = port.open(&open_options(settings)).map_err(|error| open_fault(&error))?;
+    let opening = port.open(options).map_err(|error| open_fault(&error))?;
     JsFuture::from(opening).await.map_err(|error| open_fault(&error))?;
     let writer = port.writable().and_then(|writable| writable.writer().ok());
     let reader = Rc::new(RefCell::new(None));
@@ -238,6 +245,45 @@ impl Session {
                 sink(PortEvent::Lost);
             }
         });
+    }
+
+    /// An adapter without these wires, or a driver that refuses, is left as it is.
+    async fn signal(&self, signal: Signal) {
+        match signal {
+            Signal::Set(dtr, rts) => {
+                self.set(&[("dataTerminalReady", dtr), ("requestToSend", rts)]).await;
+            }
+            Signal::Break(milliseconds) => {
+                self.set(&[("break", Some(true))]).await;
+                let _ = JsFuture::from(sleep(i32::try_from(milliseconds).unwrap_or(i32::MAX))).await;
+                self.set(&[("break", Some(false))]).await;
+            }
+            Signal::Look => {
+                let Ok(looking) = self.port.signals() else { return };
+                let sink = Rc::clone(&self.sink);
+                // What is written meanwhile does not wait.
+                spawn_local(async move {
+                    if let Ok(found) = JsFuture::from(looking).await {
+                        let inputs = ["clearToSend", "dataSetReady", "dataCarrierDetect", "ringIndicator"];
+                        let is_on = |key: &str| Reflect::get(&found, &key.into()).is_ok_and(|value| value.is_truthy());
+                        sink(PortEvent::Inputs(inputs.map(is_on)));
+                    }
+                });
+            }
+        }
+    }
+
+    async fn set(&self, signals: &[(&str, Option<bool>)]) {
+        let wanted = Object::new();
+        for (key, value) in signals {
+            if let Some(value) = value {
+                // A plain object takes any property.
+                let _ = Reflect::set(&wanted, &(*key).into(), &(*value).into());
+            }
+        }
+        if let Ok(setting) = self.port.set_signals(&wanted) {
+            settled(setting).await;
+        }
     }
 
     async fn close(self) {
@@ -318,7 +364,7 @@ fn sleep(milliseconds: i32) -> Promise {
     Promise::new(&mut |resolve, _| scope().set_timeout(&resolve, milliseconds))
 }
 
-fn open_options(settings: LineSettings) -> Object {
+fn open_options(settings: LineSettings, buffer_bytes: u32) -> Object {
     let options = Object::new();
     let set = |key: &str, value: JsValue| {
         // A plain object takes any property.
@@ -333,7 +379,7 @@ fn open_options(settings: LineSettings) -> Object {
         Parity::Even => "even",
     };
     set("parity", parity.into());
-    set("bufferSize", BUFFER_BYTES.into());
+    set("bufferSize", buffer_bytes.into());
     set("flowControl", "none".into());
     options
 }
@@ -415,6 +461,10 @@ extern "C" {
     fn open(this: &SerialPort, options: &Object) -> Result<Promise, JsValue>;
     #[wasm_bindgen(method, catch)]
     fn close(this: &SerialPort) -> Result<Promise, JsValue>;
+    #[wasm_bindgen(method, catch, js_name = setSignals)]
+    fn set_signals(this: &SerialPort, signals: &Object) -> Result<Promise, JsValue>;
+    #[wasm_bindgen(method, catch, js_name = getSignals)]
+    fn signals(this: &SerialPort) -> Result<Promise, JsValue>;
     #[wasm_bindgen(method, getter)]
     fn readable(this: &SerialPort) -> Option<Readable>;
     #[wasm_bindgen(method, getter)]

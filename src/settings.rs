@@ -175,9 +175,9 @@ pub(crate) fn parse_unit(text: &str) -> Option<u8> {
     whole(text).and_then(|unit| u8::try_from(unit).ok())
 }
 
-/// A period of 1 ms to an hour.
+/// A period of 1 ms to an hour; 0 only listens.
 pub(crate) fn parse_period(text: &str) -> Option<u32> {
-    whole(text).filter(|period| (1..=3_600_000).contains(period))
+    whole(text).filter(|period| *period <= 3_600_000)
 }
 
 fn parse_parity(text: &str) -> Parity {
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!(parse_baud("250000"), Some(250_000));
         assert_eq!((parse_baud("0"), parse_baud("49"), parse_baud("99999999999")), (None, None, None));
         assert_eq!(parse_period("100"), Some(100));
-        assert_eq!((parse_period("0"), parse_period("3600001")), (None, None));
+        assert_eq!((parse_period("0"), parse_period("3600001")), (Some(0), None));
         assert!(BAUDS.iter().all(|baud| parse_baud(&baud.to_string()) == Some(*baud)));
     }
 

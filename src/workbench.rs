@@ -3,18 +3,18 @@
 
 use std::ops::Deref;
 
-use buslens_analyst::message::{FromAnalyst, Sums};
+use buslens_analyst::message::{FromAnalyst, Sums, ToAnalyst, ToConsole};
 use buslens_codec::intake::IntakeError;
-use js_sys::Function;
+use js_sys::{Array, Function, Uint8Array};
 use wasm_bindgen::{JsCast, JsValue};
-use web_sys::Element;
+use web_sys::{Element, MessageChannel, Worker};
 
 use crate::ambient::Ambient;
-use crate::analyst;
+use crate::analyst::Analyst;
 use crate::crash;
 use crate::dom::{self, El, Handle, el};
-use crate::message::{Exchange, ToWorkbench};
-use crate::pages::{Desk, builder_page, decoder_page, exchange_halves};
+use crate::message::{Exchange, ToEngine, ToWorkbench};
+use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -29,8 +29,12 @@ pub(crate) struct Workbench {
     pub(crate) exchange: RwSignal<Option<Exchange>>,
     /// What the address brings to be read.
     pub(crate) brought: RwSignal<String>,
+    /// The digits of the bytes that the address brings to be sent.
+    pub(crate) to_send: RwSignal<String>,
+    /// The Console page's state.
+    pub(crate) console: Console,
     /// The Decoder page's state.
-    pub(crate) decoder: Desk,
+    pub(crate) decoder: Decoder,
     /// The last text whose checks the analyst has made, and what came of it.
     pub(crate) sums: RwSignal<Option<Summed>>,
     /// Counts the changes of the window's size.
@@ -55,7 +59,9 @@ impl Workbench {
             page: RwSignal::new(None),
             exchange: RwSignal::new(None),
             brought: route::follow_text(),
-            decoder: Desk::remembered(),
+            to_send: route::follow_send(),
+            console: Console::remembered(),
+            decoder: Decoder::remembered(),
             sums: RwSignal::new(None),
             size_turn: RwSignal::new(0),
         }
@@ -63,11 +69,26 @@ impl Workbench {
 
     /// Starts the analyst's worker, if it has not been.
     pub(crate) fn start_analyst(&'static self) {
-        analyst::start(move |message, beside| match message {
+        Analyst::Decoder.start(move |message, beside| match message {
             FromAnalyst::Sums(text, sums) => self.sums.set(Some((text, sums))),
             message => self.decoder.hear(message, &beside),
         });
     }
+}
+
+/// Joins the console's worker to the engine by a channel of their own.
+pub(crate) fn attach_console() {
+    let Ok(channel) = MessageChannel::new() else { return };
+    let (Ok(wish), engine) = (postcard::to_allocvec(&ToEngine::Attach), ENGINE.with_borrow(Clone::clone)) else {
+        return;
+    };
+    let port = channel.port1();
+    let parts = Array::of2(&Uint8Array::from(wish.as_slice()), &port);
+    if let Some(engine) = engine {
+        // Bytes and ends of channels can always be posted.
+        let _ = engine.post_message_with_transfer(&parts, &Array::of1(&port));
+    }
+    Analyst::Console.send_port(&ToAnalyst::Console(ToConsole::Attach), &channel.port2());
 }
 
 /// The state, and the boxes without a box of their own that stand in the first program's places.
@@ -79,6 +100,8 @@ struct Running {
 }
 
 thread_local! {
+    /// The engine's worker, which belongs to the first program: a JS handle, and so kept out of signals.
+    static ENGINE: std::cell::RefCell<Option<Worker>> = const { std::cell::RefCell::new(None) };
     static RUNNING: std::cell::RefCell<Option<Running>> = const { std::cell::RefCell::new(None) };
 }
 
@@ -105,6 +128,7 @@ impl Running {
                 put(&self.page, beside);
                 state.page.set(page);
             }
+            ToWorkbench::Device(device) => state.console.connected(device),
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
                 state.exchange.set(exchange);
@@ -120,9 +144,11 @@ fn put(content: &Handle, place: &JsValue) {
     }
 }
 
-/// Begins; `tell` ends the whole page after a fault.
-fn start(language: Language, tell: JsValue) {
-    let tell: Function = tell.unchecked_into();
+/// Begins. Beside it come the function that ends the whole page after a fault, and the engine's worker.
+fn start(language: Language, beside: JsValue) {
+    let parts: Array = beside.unchecked_into();
+    let tell: Function = parts.get(0).unchecked_into();
+    ENGINE.set(parts.get(1).dyn_into().ok());
     crash::watch(move |details| {
         // The first program draws the page of the crash; there is nobody else to tell.
         let _ = tell.call1(&JsValue::UNDEFINED, &details.into());
@@ -131,6 +157,7 @@ fn start(language: Language, tell: JsValue) {
         // One for the life of the page, and cheap for every closure to hold.
         let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
         dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
+        listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
         };
@@ -139,6 +166,7 @@ fn start(language: Language, tell: JsValue) {
                 Page::Live => return None,
                 Page::Decoder => decoder_page(state),
                 Page::Builder => builder_page(state),
+                Page::Console => console_page(state),
             })
         });
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));

@@ -1,35 +1,44 @@
-//! One text at a time: read in portions, listed, filtered, counted.
+//! One text at a time, or the log of a line: read in portions, listed, filtered, counted.
 
-use buslens_codec::dissect::Direction;
+mod live;
+mod replay;
+mod rows;
+mod survey;
+
+use std::cell::Cell;
+use std::collections::VecDeque;
+
 use buslens_codec::intake::{self, Detection, Form, IntakeError, Reader};
-use buslens_codec::outline::Outline;
+use buslens_codec::line::Mode;
 use buslens_codec::profile::{BUILT_IN, Known, Profile};
-use buslens_codec::stream::Shape;
 use buslens_codec::transcript::{Entry, EntryKind, Transcript};
-use buslens_codec::{UnitId, ascii, line::Mode};
+use buslens_codec::{UnitId, ascii};
 
+use crate::diary::{Diary, what_of};
+use crate::export::Sheet;
+use crate::facts::Facts;
 use crate::filter::Sieve;
-use crate::message::{Filter, Format, Look, ProfileChoice, Progress, Row, Rows, Statistics};
+use crate::look;
+use crate::message::{Filter, Format, Look, ProfileChoice, Progress};
 use crate::scale::Scales;
 use crate::statistics::Counting;
-use crate::{export, look};
+use live::Live;
+pub use replay::Cursor;
 
 /// Places that could not be read that are told.
 const MOST_FAULTS: usize = 16;
 /// A text's beginning that is kept until there is enough of it to tell how it is to be read.
 const SAMPLE: usize = 64 << 10;
-/// Bytes of a row that are sent; noise can be longer.
-const ROW_BYTES: usize = 520;
-/// Rows that are sent at once.
-const MOST_ROWS: u32 = 512;
 
-/// A text in work and what has come of it.
+/// A text in work, or a log that grows, and what has come of it.
 pub struct Desk {
     built_in: Vec<Profile>,
     choice: ProfileChoice,
     /// The profile in force: one of the built-in ones or the chosen file's.
     profile: Option<Profile>,
     filter: Filter,
+    /// What only a log has that grows.
+    live: Option<Live>,
     reading: u32,
     wish: Option<Form>,
     reader: Option<Reader>,
@@ -37,20 +46,31 @@ pub struct Desk {
     /// What waits for [`SAMPLE`].
     head: String,
     transcript: Transcript,
+    diary: Diary,
     faults: Vec<IntakeError>,
     total: u64,
     done: u64,
     finished: bool,
     cancelled: bool,
     edition: u32,
+    /// The first and the last entry that were sent as rows of this edition.
+    told: Cell<Option<(u32, u32)>>,
+    /// The list ends before this entry, although more are there.
+    held_from: Option<u32>,
     scales: Scales,
     tellers: Vec<(u8, u16)>,
     counting: Counting,
-    /// Entries that have been counted.
+    /// Nobody misses the other half of a transaction.
+    one_sided: bool,
+    /// What is known of the entries that are kept and have been counted.
+    facts: VecDeque<Facts>,
+    /// Number behind the last of them.
     surveyed: usize,
+    /// A request whose answer may still come.
+    waiting: Option<u32>,
     sieve: Option<Sieve>,
-    /// Entries that the sieve let through, and how many it has seen.
-    shown: Vec<u32>,
+    /// Entries that the sieve let through, and the number behind the last that it has seen.
+    shown: VecDeque<u32>,
     sifted: usize,
 }
 
@@ -67,24 +87,31 @@ impl Desk {
             choice: ProfileChoice::Auto,
             profile: None,
             filter: Filter::default(),
+            live: None,
             reading: 0,
             wish: None,
             reader: None,
             alternative: None,
             head: String::new(),
             transcript: Transcript::new(),
+            diary: Diary::default(),
             faults: Vec::new(),
             total: 0,
             done: 0,
             finished: true,
             cancelled: false,
             edition: 0,
+            told: Cell::new(None),
+            held_from: None,
             scales: Scales::default(),
             tellers: Vec::new(),
             counting: Counting::default(),
+            one_sided: true,
+            facts: VecDeque::new(),
             surveyed: 0,
+            waiting: None,
             sieve: None,
-            shown: Vec::new(),
+            shown: VecDeque::new(),
             sifted: 0,
         }
     }
@@ -102,7 +129,7 @@ impl Desk {
             wish: form,
             total,
             finished: false,
-            edition: self.edition + 1,
+            edition: self.edition.wrapping_add(1),
             ..fresh
         };
     }
@@ -138,6 +165,7 @@ impl Desk {
         }
         self.transcribe();
         self.transcript.finish();
+        self.diary.settle(&self.transcript);
         self.finished = true;
         self.done = self.total;
         self.take_up_profile();
@@ -166,38 +194,18 @@ impl Desk {
         self.take_up_filter();
     }
 
-    /// Counts and sifts up to `limit` entries of a text that has ended; whether there is more to do.
-    pub fn work(&mut self, limit: usize) -> bool {
-        let entries = self.transcript.entries().len();
-        if !self.finished {
-            return false;
-        }
-        let until = entries.min(self.surveyed.saturating_add(limit));
-        for index in self.surveyed..until {
-            self.survey(index);
-        }
-        if self.surveyed < until {
-            self.surveyed = until;
-            return until < entries || self.sieve.is_some();
-        }
-        let Some(sieve) = &self.sieve else { return false };
-        let until = entries.min(self.sifted.saturating_add(limit));
-        let one_sided = self.counting.is_one_sided();
-        let passes = |index: &usize| sieve.passes(&self.transcript, self.profile.as_ref(), *index, one_sided);
-        self.shown.extend((self.sifted..until).filter(passes).map(place));
-        self.sifted = until;
-        until < entries
-    }
-
     /// How far everything has come.
     pub fn progress(&self) -> Progress {
+        let (first, end) = (self.transcript.first(), self.view_end());
+        let after = self.diary.before(place(end)).map(|happened| what_of(happened.event));
         Progress {
             reading: self.reading,
             done: self.done,
             total: self.total,
             finished: self.finished,
             cancelled: self.cancelled,
-            entries: place(self.transcript.entries().len()),
+            first: place(first),
+            entries: place(end - first),
             shown: place(self.shown()),
             edition: self.edition,
             form: self.reader.as_ref().map(Reader::form),
@@ -205,19 +213,11 @@ impl Desk {
             faults: self.faults.clone(),
             fault_count: self.reader.as_ref().map_or(0, Reader::fault_count) as u64,
             profile: self.profile.as_ref().map(|profile| profile.id.clone()),
+            held: place(self.transcript.end() - end),
+            after: if self.held_from.is_none() { after.collect() } else { Vec::new() },
+            start_us: self.transcript.entries().next().and_then(|entry| entry.time_us),
+            epoch_us: self.epoch_us(),
         }
-    }
-
-    /// The counts of a text that has ended; `None` while they are being made.
-    pub fn statistics(&self) -> Option<Statistics> {
-        (self.finished && self.surveyed == self.transcript.entries().len())
-            .then(|| self.counting.statistics(self.reading))
-    }
-
-    /// Some of the list as it is filtered.
-    pub fn rows(&self, from: u32, count: u32) -> Rows {
-        let wanted = (from..from.saturating_add(count.min(MOST_ROWS))).map_while(|at| self.shown_at(at as usize));
-        Rows { edition: self.edition, from, rows: wanted.filter_map(|index| self.row(index)).collect() }
     }
 
     /// Looks closely at an entry, given by its number in the whole list; `shown` is what the device's display shows.
@@ -233,10 +233,37 @@ impl Desk {
         look::look(&self.transcript, self.profile.as_ref(), at, &mut known, shown)
     }
 
-    /// Writes the list as it is filtered, in parts that are handed to `write` one after the other.
-    pub fn export(&self, format: Format, write: impl FnMut(&str)) {
+    /// Marks an entry, given by its number in the whole list, or takes its mark away; `false` if there is no such entry.
+    pub fn mark(&mut self, index: u32, comment: Option<String>) -> bool {
+        if self.transcript.entry(index as usize).is_none() {
+            return false;
+        }
+        self.diary.mark(index, comment);
+        self.sift_again(index as usize);
+        self.outdate(index);
+        true
+    }
+
+    /// Writes the list as it is filtered, in parts that are handed to `write` one after the other. All are text but those of
+    /// a capture file.
+    pub fn export(&self, format: Format, write: impl FnMut(&[u8])) {
         let shown = (0..self.shown()).filter_map(|at| self.shown_at(at));
-        export::write(&self.transcript, self.profile.as_ref(), format, shown, write);
+        self.sheet().write(format, shown, write);
+    }
+
+    /// Unix time of the origin of the entries' clock, in microseconds, where it is known.
+    pub fn epoch_us(&self) -> Option<u64> {
+        self.diary.epoch_us
+    }
+
+    fn sheet(&self) -> Sheet<'_> {
+        Sheet {
+            transcript: &self.transcript,
+            profile: self.profile.as_ref(),
+            scales: &self.scales,
+            diary: &self.diary,
+            end: self.view_end(),
+        }
     }
 
     fn start_reader(&mut self) {
@@ -259,109 +286,44 @@ impl Desk {
         let room = MOST_FAULTS.saturating_sub(self.faults.len());
         self.faults.extend(portion.faults.into_iter().take(room));
         self.transcript.push(&portion.bytes, &portion.segments);
+        portion.remarks.into_iter().for_each(|remark| self.diary.hear(remark));
+        self.diary.settle(&self.transcript);
     }
 
     fn take_up_profile(&mut self) {
         self.profile = match &self.choice {
             ProfileChoice::None => None,
             ProfileChoice::File(text) => Profile::from_json(text).ok(),
+            ProfileChoice::Auto if self.live.is_some() => self.most_explaining_lately(),
             ProfileChoice::Auto => self.transcript.most_explaining(&self.built_in).cloned(),
         };
         self.tellers = self.profile.as_ref().map(Scales::tellers).unwrap_or_default();
-        self.scales = Scales::default();
-        self.counting = Counting::default();
-        self.surveyed = 0;
+        self.begin_survey();
         self.take_up_filter();
     }
 
     fn take_up_filter(&mut self) {
         self.sieve = Sieve::new(&self.filter, self.profile.as_ref());
-        self.shown = Vec::new();
-        self.sifted = 0;
-        self.edition += 1;
+        self.begin_sifting();
     }
 
-    fn survey(&mut self, index: usize) {
-        let Some(entry) = self.transcript.entries().get(index) else { return };
-        let bytes = self.transcript.entry_bytes(index);
-        let Some((unit, pdu)) = parts(entry, bytes) else {
-            return self.counting.count(entry, None, &[]);
-        };
-        let shape = if entry.direction == Direction::Response { Shape::Response } else { Shape::Request };
-        let outline = Outline::of_pdu(unit, &pdu, shape);
-        if let (Some(outline), true, false) = (&outline, entry.check_ok, self.tellers.is_empty()) {
-            let pair = entry.pair.filter(|_| shape == Shape::Response);
-            let address = pair.and_then(|pair| self.address_of(pair as usize)).or(outline.address);
-            if let (Some(address), Shape::Response) = (address, shape) {
-                let registers: Vec<u16> = outline.registers().collect();
-                self.scales.hear(&self.tellers, place(index), unit.0, outline.function, address, &registers);
-            }
+    /// Number behind the last entry of the list.
+    fn view_end(&self) -> usize {
+        let (first, end) = (self.transcript.first(), self.transcript.end());
+        self.held_from.map_or(end, |held| (held as usize).clamp(first, end))
+    }
+
+    /// Rows that were sent are no longer what they were.
+    fn new_edition(&mut self) {
+        self.edition = self.edition.wrapping_add(1);
+        self.told.set(None);
+    }
+
+    /// A row has changed.
+    fn outdate(&mut self, index: u32) {
+        if self.told.get().is_some_and(|(first, last)| (first..=last).contains(&index)) {
+            self.new_edition();
         }
-        let diagnoses = self.diagnoses_of(index, entry);
-        self.counting.count(
-            entry,
-            outline.map(|outline| (unit.0, outline.function, outline.exception.is_some())),
-            &diagnoses,
-        );
-    }
-
-    /// Ids of what is wrong with an entry. A whole frame of a known shape needs no closer look but for its values.
-    fn diagnoses_of(&self, index: usize, entry: &Entry) -> Vec<&'static str> {
-        let found = if self.profile.is_some() && entry.check_ok {
-            self.transcript.reading(index, self.profile.as_ref(), &mut Known::default()).diagnoses
-        } else {
-            self.transcript.diagnoses(index)
-        };
-        found.iter().map(buslens_codec::diagnose::Diagnosis::id).collect()
-    }
-
-    fn address_of(&self, index: usize) -> Option<u16> {
-        let entry = self.transcript.entries().get(index)?;
-        let (unit, pdu) = parts(entry, self.transcript.entry_bytes(index))?;
-        Outline::of_pdu(unit, &pdu, Shape::Request)?.address
-    }
-
-    fn shown(&self) -> usize {
-        if self.sieve.is_some() { self.shown.len() } else { self.transcript.entries().len() }
-    }
-
-    fn shown_at(&self, at: usize) -> Option<usize> {
-        if self.sieve.is_some() {
-            self.shown.get(at).map(|index| *index as usize)
-        } else {
-            (at < self.transcript.entries().len()).then_some(at)
-        }
-    }
-
-    fn row(&self, index: usize) -> Option<Row> {
-        let entry = self.transcript.entries().get(index)?;
-        let bytes = self.transcript.entry_bytes(index);
-        let unit = self.transcript.header(index).map(|(unit, _)| unit);
-        let told = unit.map(|unit| self.scales.known_before(place(index), unit.0)).unwrap_or_default();
-        let mut known = known_of(self.profile.as_ref(), &told);
-        let reading = self.transcript.reading(index, self.profile.as_ref(), &mut known);
-        let request = entry.pair.filter(|_| entry.direction == Direction::Response);
-        let request = request.and_then(|pair| {
-            let asked = self.transcript.entries().get(pair as usize)?;
-            parts(asked, self.transcript.entry_bytes(pair as usize))
-        });
-        Some(Row {
-            index: place(index),
-            offset: entry.offset as u64,
-            line: entry.line,
-            time_us: entry.time_us,
-            is_frame: entry.kind == EntryKind::Frame,
-            mode: entry.mode,
-            direction: entry.direction,
-            pair: entry.pair,
-            bytes: bytes.iter().take(ROW_BYTES).copied().collect(),
-            length: entry.len,
-            request: request.map(|(_, pdu)| pdu).unwrap_or_default(),
-            told,
-            diagnoses: reading.diagnoses,
-            unanswered: entry.is_unanswered() && !self.counting.is_one_sided(),
-            orphan: entry.is_orphan() && !self.counting.is_one_sided(),
-        })
     }
 }
 
@@ -372,7 +334,7 @@ impl Default for Desk {
 }
 
 /// What single registers that were seen tell under a profile.
-fn known_of(profile: Option<&Profile>, told: &[(u8, u16, u16)]) -> Known {
+pub(crate) fn known_of(profile: Option<&Profile>, told: &[(u8, u16, u16)]) -> Known {
     let mut known = Known::default();
     if let Some(profile) = profile {
         for (function, address, value) in told {

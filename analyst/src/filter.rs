@@ -1,9 +1,10 @@
 //! Which entries are shown.
 
+use buslens_codec::dissect::Direction;
 use buslens_codec::profile::{Known, Profile};
 use buslens_codec::transcript::{EntryKind, Transcript};
 
-use crate::desk::parts;
+use crate::facts::{Facts, bits_of};
 use crate::message::Filter;
 
 /// A filter made ready.
@@ -11,6 +12,7 @@ use crate::message::Filter;
 pub(crate) struct Sieve {
     unit: Option<u8>,
     function: Option<u8>,
+    direction: Option<Direction>,
     errors_only: bool,
     text: Option<Wanted>,
 }
@@ -18,60 +20,67 @@ pub(crate) struct Sieve {
 /// What is looked for.
 #[derive(Clone, Debug)]
 struct Wanted {
-    /// The text in lower case: an id of a diagnosis may hold it.
+    /// The text in lower case: comments and characters of frames may hold it.
     word: String,
     /// The digits of the text, if it is nothing but bytes.
     digits: Option<Vec<u8>>,
+    /// Diagnoses whose ids hold it.
+    diagnoses: u16,
     /// Ids of points whose id or name holds it.
     points: Vec<String>,
+}
+
+/// What is known of an entry.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate<'a> {
+    pub(crate) transcript: &'a Transcript,
+    pub(crate) profile: Option<&'a Profile>,
+    pub(crate) index: usize,
+    pub(crate) facts: Facts,
+    /// The comment of its mark.
+    pub(crate) mark: Option<&'a str>,
+    /// Nothing in the list is wrong for want of a counterpart.
+    pub(crate) one_sided: bool,
 }
 
 impl Sieve {
     /// `None` for a filter that lets everything through.
     pub(crate) fn new(filter: &Filter, profile: Option<&Profile>) -> Option<Self> {
-        let Filter { unit, function, errors_only, ref text } = *filter;
+        let Filter { unit, function, direction, errors_only, ref text } = *filter;
         let text = Wanted::new(text, profile);
-        (unit.is_some() || function.is_some() || errors_only || text.is_some()).then_some(Self {
+        (unit.is_some() || function.is_some() || direction.is_some() || errors_only || text.is_some()).then_some(Self {
             unit,
             function,
+            direction,
             errors_only,
             text,
         })
     }
 
-    /// Whether an entry is shown. `one_sided` lists hold no errors for want of a counterpart.
-    pub(crate) fn passes(
-        &self,
-        transcript: &Transcript,
-        profile: Option<&Profile>,
-        index: usize,
-        one_sided: bool,
-    ) -> bool {
-        let Some(entry) = transcript.entries().get(index) else { return false };
-        let bytes = transcript.entry_bytes(index);
+    /// Whether it asks what is wrong with entries.
+    pub(crate) fn wants_errors(&self) -> bool {
+        self.errors_only
+    }
+
+    /// Whether an entry is shown.
+    pub(crate) fn passes(&self, candidate: Candidate<'_>) -> bool {
+        let Candidate { transcript, index, facts, one_sided, .. } = candidate;
+        let Some(entry) = transcript.entry(index) else { return false };
+        if self.direction.is_some_and(|wanted| wanted != entry.direction) {
+            return false;
+        }
         if self.unit.is_some() || self.function.is_some() {
-            let Some((unit, pdu)) = parts(entry, bytes) else { return false };
-            let function = pdu.first().map(|code| code & 0x7F);
+            let Some((unit, function)) = transcript.header(index) else { return false };
             if self.unit.is_some_and(|wanted| wanted != unit.0)
-                || self.function.is_some_and(|wanted| Some(wanted) != function)
+                || self.function.is_some_and(|wanted| wanted != function)
             {
                 return false;
             }
         }
-        if !self.errors_only && self.text.is_none() {
-            return true;
-        }
-        let reading = transcript.reading(index, profile, &mut Known::default());
-        let alone = !one_sided && (entry.is_unanswered() || entry.is_orphan());
-        let wrong = entry.kind == EntryKind::Noise || !entry.check_ok || alone || !reading.diagnoses.is_empty();
-        if self.errors_only && !wrong {
+        if self.errors_only && !facts.is_wrong(one_sided) {
             return false;
         }
-        let Some(text) = &self.text else { return true };
-        let named =
-            reading.dissection.iter().flat_map(|found| &found.points).any(|point| text.points.contains(&point.point));
-        let diagnosed = reading.diagnoses.iter().any(|found| found.id().contains(&text.word));
-        named || diagnosed || text.digits.as_ref().is_some_and(|digits| holds(bytes, digits))
+        self.text.as_ref().is_none_or(|text| text.is_in(candidate))
     }
 }
 
@@ -87,7 +96,26 @@ impl Wanted {
         let points = profile.iter().flat_map(|profile| &profile.points);
         let points = points.filter(|point| fits(&point.id) || fits(&point.name.en) || fits(&point.name.zh));
         let points = points.map(|point| point.id.clone()).collect();
-        Some(Self { word, digits, points })
+        let diagnoses = bits_of(|id| id.contains(&word));
+        Some(Self { word, digits, diagnoses, points })
+    }
+
+    fn is_in(&self, candidate: Candidate<'_>) -> bool {
+        let Candidate { transcript, profile, index, facts, mark, .. } = candidate;
+        let bytes = transcript.entry_bytes(index);
+        facts.has(self.diagnoses)
+            || self.digits.as_ref().is_some_and(|digits| holds(bytes, digits))
+            || spells(bytes, self.word.as_bytes())
+            || mark.is_some_and(|mark| mark.to_lowercase().contains(&self.word))
+            || !self.points.is_empty() && self.is_named(transcript, profile, index)
+    }
+
+    fn is_named(&self, transcript: &Transcript, profile: Option<&Profile>, index: usize) -> bool {
+        if transcript.entry(index).is_none_or(|entry| entry.kind == EntryKind::Noise) {
+            return false;
+        }
+        let dissection = transcript.reading(index, profile, &mut Known::default()).dissection;
+        dissection.iter().flat_map(|found| &found.points).any(|point| self.points.contains(&point.point))
     }
 }
 
@@ -99,6 +127,11 @@ fn holds(bytes: &[u8], digits: &[u8]) -> bool {
     };
     (0..bytes.len())
         .any(|start| digits.iter().enumerate().all(|(offset, wanted)| at(2 * start + offset) == Some(*wanted)))
+}
+
+/// Whether bytes hold this lower-case text as characters, whatever their case.
+fn spells(bytes: &[u8], word: &[u8]) -> bool {
+    bytes.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word))
 }
 
 #[cfg(test)]
@@ -113,5 +146,11 @@ mod tests {
         {
             assert_eq!(holds(&bytes, digits.as_bytes()), found, "{digits}");
         }
+    }
+
+    #[test]
+    fn characters_are_found_in_either_case() {
+        assert!(spells(b"\x01Ready\r", b"ready") && spells(b"OK", b"ok"));
+        assert!(!spells(b"Read", b"ready") && !spells(b"", b"a"));
     }
 }

@@ -1,11 +1,15 @@
 //! What the window and the analyst's worker say to each other. In the worker's messages a text or a file travels beside
 //! these, as the browser's own object: they are never copied into a message.
 
+use buslens_bus::record::{Origin, What};
 use buslens_codec::diagnose::Diagnosis;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{Form, IntakeError};
 use buslens_codec::line::Mode;
+use buslens_sequence::{Caution, Changes, Fault};
 use serde::{Deserialize, Serialize};
+
+use crate::line::{LineState, Outcome, ToLine};
 
 /// Window to analyst.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +49,109 @@ pub enum ToAnalyst {
     Forget,
     /// The checks of the bytes in a short text.
     Sums(String),
+    /// Only of the worker that serves the Console page.
+    Console(ToConsole),
+}
+
+/// Window to the console's worker: the same program as the analyst, with a live line in place of a text. Reading a text
+/// there brings it in as a session in place of the log; everything else of [`ToAnalyst`] is about the log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ToConsole {
+    /// The channel to the engine comes beside this message; the log of the live line begins, or goes on.
+    Attach,
+    /// Keep so many entries; the oldest go first.
+    RingSize(u32),
+    /// Empty the log.
+    Clear,
+    /// Hold the list still, or let it go on. What happens meanwhile is kept and comes in afterwards.
+    Pause(bool),
+    /// Mark an entry, given by its number in the whole list, or, with `None`, take its mark away.
+    Mark {
+        /// Its number.
+        index: u32,
+        /// What is to be remembered of it; may be empty.
+        comment: Option<String>,
+    },
+    /// Send bytes, once or again and again.
+    Send(Sending),
+    /// No more of what is being sent again and again.
+    StopSending,
+    /// Hand this on to the engine.
+    Line(ToLine),
+    /// Look for faults in a sequence's text. Answered by [`FromConsole::Checked`].
+    Check {
+        /// Names the answer.
+        edition: u32,
+        /// The sequence's text.
+        text: String,
+        /// The device's profile, as the text of its file; empty for none.
+        profile: String,
+    },
+    /// Run a sequence, if its text has no fault. Answered by [`FromConsole::Checked`], then by [`FromConsole::Run`]
+    /// until it has ended.
+    Run {
+        /// Names the answers.
+        edition: u32,
+        /// The sequence's text.
+        text: String,
+        /// The device's profile, as the text of its file; empty for none.
+        profile: String,
+        /// The unit id that the sequence means by "the device".
+        unit: u8,
+    },
+    /// Stop the sequence.
+    Stop,
+    /// Play the log as if it were live, at so many thousandths of its own speed; 0 as fast as it goes.
+    Replay {
+        /// 1000 for its own speed.
+        speed_permille: u32,
+        /// The device's profile, as the text of its file; empty for none.
+        profile: String,
+    },
+    /// Stop the replay: what has been played stays.
+    StopReplay,
+    /// Back to the live line's log, which went on meanwhile.
+    Live,
+}
+
+/// What is to be sent.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sending {
+    /// Names what is said about it.
+    pub id: u32,
+    /// The bytes as they go out.
+    pub bytes: Vec<u8>,
+    /// How long to wait for an answer, in milliseconds; `None` leaves it to the master.
+    pub wait_ms: Option<u32>,
+    /// How often; `None` for once.
+    pub repeat: Option<Repeat>,
+}
+
+/// How often something is sent.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Repeat {
+    /// Time between two beginnings, in milliseconds; the end of an exchange is waited for.
+    pub every_ms: u32,
+    /// So many times; `None` until stopped.
+    pub times: Option<u32>,
+    /// Stop when this happens.
+    pub until: Until,
+}
+
+/// What ends a repetition.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Until {
+    /// Nothing but the count.
+    #[default]
+    Never,
+    /// Any reply that is no exception.
+    Answered,
+    /// Anything but a reply: silence, damage, an exception.
+    Failed,
+    /// A reply other than the first one.
+    Changed,
+    /// Bytes heard that fit a pattern as a sequence's `expect` has it.
+    Heard(String),
 }
 
 /// Whose registers they are.
@@ -66,6 +173,9 @@ pub struct Filter {
     pub unit: Option<u8>,
     /// Only this function code, its exceptions included.
     pub function: Option<u8>,
+    /// Only this direction.
+    #[serde(default)]
+    pub direction: Option<Direction>,
     /// Only what is wrong: damaged frames, noise, exceptions, requests without answer, answers without request.
     pub errors_only: bool,
     /// Only what holds this: bytes in hexadecimal, the name of a point, or the id of a diagnosis. Empty for all.
@@ -81,6 +191,12 @@ pub enum Format {
     Csv,
     /// Bytes in hexadecimal, a frame a line, with marks of direction.
     Hex,
+    /// A line an entry: time, direction, bytes, meaning.
+    Text,
+    /// A capture file of Modbus RTU frames with their times.
+    Pcap,
+    /// A session that can be brought in and played again without loss: times, origins, marks and comments.
+    Session,
 }
 
 /// Analyst to window.
@@ -102,8 +218,57 @@ pub enum FromAnalyst {
     NothingKept,
     /// The text could not be read to its end, in the browser's words.
     Unreadable(String),
+    /// Only of the worker that serves the Console page.
+    Console(FromConsole),
     /// The analyst has failed for good.
     Panicked(String),
+}
+
+/// The console's worker to the window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum FromConsole {
+    /// The line as it is now.
+    Line(LineState),
+    /// Something was sent, or could not be.
+    Sent {
+        /// The [`Sending`]'s number.
+        id: u32,
+        /// How often so far.
+        times: u32,
+        /// Whether it goes on.
+        more: bool,
+        /// How the last one ended.
+        outcome: Outcome,
+    },
+    /// How a replay stands.
+    Replay(Replay),
+    /// A sequence's text was looked at.
+    Checked {
+        /// As it was asked.
+        edition: u32,
+        /// All that is wrong; empty for a text that can run.
+        faults: Vec<Fault>,
+        /// Steps that can lose the device, or change how it is reached or what it measures.
+        cautions: Vec<Caution>,
+    },
+    /// What has changed in a running sequence's report, at most at display rate.
+    Run {
+        /// As it was asked.
+        edition: u32,
+        /// To be put into the report with `Report::apply`.
+        changes: Changes,
+    },
+}
+
+/// How a replay stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Replay {
+    /// Whether it is on.
+    pub playing: bool,
+    /// Time of the recording that has been played, in microseconds.
+    pub at_us: u64,
+    /// Of how much.
+    pub total_us: u64,
 }
 
 /// Bytes with their checks.
@@ -134,7 +299,9 @@ pub struct Progress {
     pub finished: bool,
     /// It was stopped before its end.
     pub cancelled: bool,
-    /// Frames and stretches of noise so far.
+    /// Number of the first entry that is kept; 0 unless a ring has forgotten some.
+    pub first: u32,
+    /// Frames and stretches of noise that are kept.
     pub entries: u32,
     /// Of those, how many the filter lets through.
     pub shown: u32,
@@ -150,6 +317,14 @@ pub struct Progress {
     pub fault_count: u64,
     /// Id of the profile in force.
     pub profile: Option<String>,
+    /// Entries that have come since the list is held still.
+    pub held: u32,
+    /// What has happened to the port since the last entry, in order.
+    pub after: Vec<What>,
+    /// Time of the first entry that is kept, in microseconds on the source's clock.
+    pub start_us: Option<u64>,
+    /// Unix time of that clock's origin in microseconds, where it is known.
+    pub epoch_us: Option<u64>,
 }
 
 /// Some rows of the list.
@@ -196,6 +371,16 @@ pub struct Row {
     pub unanswered: bool,
     /// An answer that nothing asked for.
     pub orphan: bool,
+    /// Who had it sent; of a reply, who had its request sent.
+    pub origin: Origin,
+    /// Time since the end of the entry before it, as far as that end is known, else since its beginning; in microseconds.
+    pub gap_us: Option<u64>,
+    /// Of a reply, the time from the beginning of its request to its own end, in microseconds.
+    pub round_trip_us: Option<u64>,
+    /// What happened to the port before it, in order.
+    pub before: Vec<What>,
+    /// The user's mark, with what is to be remembered.
+    pub mark: Option<String>,
 }
 
 /// An entry, looked at closely.

@@ -1,6 +1,11 @@
-//! The worker's surroundings: messages, clock, and a turn of the event loop.
+//! The worker's surroundings: messages, clock, timer, and a turn of the event loop.
 
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use buslens_analyst::line::{FromLine, ToLine};
 use buslens_analyst::message::{FromAnalyst, ToAnalyst};
+use buslens_bus::time::Instant;
 use js_sys::{Array, Object, Promise, Reflect, Uint8Array};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -33,6 +38,89 @@ pub(crate) fn on_message(handle: impl Fn(ToAnalyst, JsValue) + 'static) {
 /// Milliseconds since the worker started.
 pub(crate) fn milliseconds() -> f64 {
     scope().performance().now()
+}
+
+/// The time since the worker started.
+pub(crate) fn now() -> Instant {
+    // Monotonic and never negative; an f64 holds centuries of microseconds exactly.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    Instant::from_micros((milliseconds() * 1000.0) as u64)
+}
+
+/// The time since the beginning of 1970, in microseconds.
+pub(crate) fn unix_us() -> u64 {
+    // As above.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let micros = ((scope().performance().time_origin() + milliseconds()) * 1000.0) as u64;
+    micros
+}
+
+/// The channel to the engine.
+pub(crate) struct Line {
+    port: MessagePort,
+    /// Is called for as long as the channel is held.
+    _listener: Closure<dyn Fn(MessageEvent)>,
+}
+
+impl Line {
+    /// Takes up the channel whose end came beside a message; `hear` is called with each message of the engine.
+    pub(crate) fn attach(end: JsValue, hear: impl Fn(FromLine) + 'static) -> Self {
+        let listener = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
+            let bytes = JsValue::from(event.data()).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec());
+            if let Ok(message) = postcard::from_bytes(&bytes.unwrap_or_default()) {
+                hear(message);
+            }
+        });
+        let port: MessagePort = end.unchecked_into();
+        port.set_onmessage(listener.as_ref().unchecked_ref());
+        Self { port, _listener: listener }
+    }
+
+    /// Sends a message to the engine.
+    pub(crate) fn post(&self, message: &ToLine) {
+        if let Ok(bytes) = postcard::to_allocvec(message) {
+            self.port.post_message(&Uint8Array::from(bytes.as_slice()));
+        }
+    }
+}
+
+/// One timer that can be set again and again; only the last setting counts.
+pub(crate) struct Timer {
+    callback: RefCell<Option<Closure<dyn FnMut()>>>,
+    handle: Rc<Cell<Option<i32>>>,
+    due: Cell<Option<Instant>>,
+}
+
+impl Timer {
+    pub(crate) fn new() -> Self {
+        Self { callback: RefCell::new(None), handle: Rc::new(Cell::new(None)), due: Cell::new(None) }
+    }
+
+    /// Calls this whenever the timer fires.
+    pub(crate) fn on_time(&self, callback: impl Fn() + 'static) {
+        let fired = Rc::clone(&self.handle);
+        *self.callback.borrow_mut() = Some(Closure::new(move || {
+            fired.set(None);
+            callback();
+        }));
+    }
+
+    /// Fires at `due`, or never.
+    pub(crate) fn set(&self, now: Instant, due: Option<Instant>) {
+        if self.handle.get().is_some() && self.due.get() == due {
+            return;
+        }
+        if let Some(handle) = self.handle.take() {
+            scope().clear_timeout(handle);
+        }
+        self.due.set(due);
+        if let (Some(due), Some(callback)) = (due, &*self.callback.borrow()) {
+            // Rounded up: a timer that fires early would only be set again.
+            let milliseconds = due.saturating_since(now).as_micros().div_ceil(1000);
+            let milliseconds = i32::try_from(milliseconds).unwrap_or(i32::MAX);
+            self.handle.set(Some(scope().set_timeout(callback.as_ref().unchecked_ref(), milliseconds)));
+        }
+    }
 }
 
 /// Lets whatever waits in the event loop have its turn. A timer would cost 4 ms each time.
@@ -74,6 +162,10 @@ extern "C" {
     fn performance(this: &Scope) -> Performance;
     #[wasm_bindgen(method, getter)]
     fn navigator(this: &Scope) -> Navigator;
+    #[wasm_bindgen(method, js_name = setTimeout)]
+    fn set_timeout(this: &Scope, callback: &js_sys::Function, milliseconds: i32) -> i32;
+    #[wasm_bindgen(method, js_name = clearTimeout)]
+    fn clear_timeout(this: &Scope, handle: i32);
     #[wasm_bindgen(method, js_name = postMessage)]
     fn post_message(this: &Scope, data: &Array);
     #[wasm_bindgen(method, setter)]
@@ -82,6 +174,8 @@ extern "C" {
     type Performance;
     #[wasm_bindgen(method)]
     fn now(this: &Performance) -> f64;
+    #[wasm_bindgen(method, getter, js_name = timeOrigin)]
+    fn time_origin(this: &Performance) -> f64;
 
     type Navigator;
     #[wasm_bindgen(method, getter)]

@@ -15,7 +15,7 @@
 //! master.submit(now, Job::new(UnitId(1), Request::ReadHoldingRegisters { address: 0x31, quantity: 1 }));
 //! now = master.poll_timeout().unwrap();
 //! master.handle_timeout(now);
-//! assert_eq!(master.poll_transmit().unwrap(), [0x01, 0x03, 0x00, 0x31, 0x00, 0x01, 0xD5, 0xC5]);
+//! assert_eq!(master.poll_transmit().unwrap().bytes, [0x01, 0x03, 0x00, 0x31, 0x00, 0x01, 0xD5, 0xC5]);
 //! master.handle_bytes(now, &[0x01, 0x03, 0x02, 0x00, 0x07, 0xF9, 0x86]);
 //! while let Some(event) = master.poll_event() {
 //!     if let Event::Done { exchange, .. } = event {
@@ -26,8 +26,9 @@
 
 mod master;
 mod outcome;
+pub mod record;
 pub mod sim;
 pub mod time;
 
-pub use master::{Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
+pub use master::{Config, Content, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll, Transmit};
 pub use outcome::{Answer, Counters, Exchange, Failure, NextStep};

@@ -1,9 +1,12 @@
 //! The master's state machine for one line.
 //!
 //! In: [`Master::handle_bytes`], [`Master::handle_timeout`], [`Master::handle_link`], and the wishes [`Master::connect`],
-//! [`Master::disconnect`], [`Master::submit`], [`Master::set_poll`]. After any of them drain, in this order and until
-//! empty: [`Master::poll_link`], [`Master::poll_transmit`], [`Master::poll_event`], [`Master::poll_timeout`]. A spurious
-//! timeout is harmless.
+//! [`Master::disconnect`], [`Master::reconfigure`], [`Master::submit`], [`Master::withdraw`], [`Master::set_poll`],
+//! [`Master::set_read_only`]. After any of them drain, in this order and until empty: [`Master::poll_link`],
+//! [`Master::poll_transmit`], [`Master::poll_event`], [`Master::poll_timeout`]. A spurious timeout is harmless.
+//!
+//! One transaction has the line at a time, be it the poll's, a job's or raw bytes; the poll and the jobs take turns when
+//! both could leave.
 //!
 //! Rules that keep a wrong value from ever being taken for an answer:
 //! - a reply is found by what the request lets expect (unit, function, byte count, echoed fields, check), anywhere among
@@ -15,36 +18,39 @@
 mod echo;
 mod expect;
 mod inbox;
+mod job;
 mod link;
 mod overdue;
 mod patience;
 mod poll;
+mod raw;
+mod replay;
 mod transaction;
+mod turn;
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use buslens_codec::line::{LineSettings, Mode};
-use buslens_codec::pdu::{PduError, Request};
-use buslens_codec::{UnitId, adu};
+use buslens_codec::{UnitId, ascii};
 
 use crate::outcome::{Counters, Exchange, Failure, NextStep};
 use crate::time::Instant;
 use echo::Echo;
 use inbox::Inbox;
+pub use job::{Content, Job, JobId, Transmit};
 use link::LinkControl;
 pub use link::{LinkEvent, LinkOrder, LinkState};
 use overdue::Overdue;
 use patience::Patience;
 pub use poll::Poll;
 use poll::Schedule;
+use raw::Raw;
 use transaction::{Progress, Surroundings, Transaction};
 
 /// Quiet time after a time-out, within the 100 to 200 ms that the standard gives a broadcast's turnaround
 /// (serial line guide, clause 2.4.1).
 const TURNAROUND: Duration = Duration::from_millis(100);
-/// Chatter on the line holds a request back no longer than this.
-const CHATTER_PATIENCE: Duration = Duration::from_secs(1);
 
 /// What a master needs to know of its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,28 +79,6 @@ impl Config {
         }
     }
 }
-
-/// One request to be made once.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Job {
-    /// To whom.
-    pub unit: UnitId,
-    /// What.
-    pub request: Request,
-    /// How often a read may be repeated after a failure that a repetition can mend. Writes are never repeated.
-    pub retries: u8,
-}
-
-impl Job {
-    /// A job without retries.
-    pub fn new(unit: UnitId, request: Request) -> Self {
-        Self { unit, request, retries: 0 }
-    }
-}
-
-/// Names a submitted job in its [`Event::Done`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct JobId(u64);
 
 /// What the master tells.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -125,7 +109,15 @@ pub struct Master {
     jobs: VecDeque<Queued>,
     next_job: u64,
     schedule: Option<Schedule>,
-    current: Option<Transaction>,
+    current: Option<Current>,
+    /// Other settings that wait for the end of the current transaction.
+    wanted: Option<(LineSettings, Mode)>,
+    /// Only reads leave.
+    read_only: bool,
+    /// What happened before happens again: nothing leaves.
+    replay: bool,
+    /// The last that left was a job and not the poll.
+    job_went_last: bool,
     inbox: Inbox,
     echo: Echo,
     overdue: Overdue,
@@ -133,7 +125,7 @@ pub struct Master {
     /// No request leaves before this.
     quiet_until: Instant,
     last_unit: Option<UnitId>,
-    outgoing: Option<Vec<u8>>,
+    outgoing: Option<Transmit>,
     events: VecDeque<Event>,
     counters: Counters,
 }
@@ -148,9 +140,18 @@ struct Queued {
 
 /// Who asked for a transaction.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Origin {
+enum Asker {
     Job(JobId, Job),
     Poll(usize),
+    /// Whoever had it sent when it was recorded.
+    Recorded,
+}
+
+/// What has the line.
+#[derive(Debug)]
+enum Current {
+    Request(Transaction),
+    Raw(Raw),
 }
 
 impl Master {
@@ -163,6 +164,10 @@ impl Master {
             next_job: 0,
             schedule: None,
             current: None,
+            wanted: None,
+            read_only: false,
+            replay: false,
+            job_went_last: false,
             inbox: Inbox::default(),
             echo: Echo::Unknown,
             overdue: Overdue::default(),
@@ -178,6 +183,11 @@ impl Master {
     /// State of the link.
     pub fn link_state(&self) -> LinkState {
         self.link.state()
+    }
+
+    /// Whether other settings are wanted than those that the port is open with. It is closed before it has them.
+    pub fn is_reconfiguring(&self) -> bool {
+        self.wanted.is_some()
     }
 
     /// Counts since this master was made.
@@ -196,11 +206,25 @@ impl Master {
     /// Closes the link. Jobs that have not ended fail with [`Failure::LinkLost`]; the poll stays set.
     pub fn disconnect(&mut self, now: Instant) {
         self.link.disconnect();
+        self.wanted = None;
         self.abandon(now);
         self.advance(now);
     }
 
-    /// Queues a job. Jobs go before the poll, in order. Without a link the job fails at once.
+    /// Uses other settings from the next quiet slot on: the transaction under way still ends with the old ones, then the
+    /// port is closed and opened again. Jobs that wait and the poll go on with the new settings.
+    pub fn reconfigure(&mut self, now: Instant, line: LineSettings, mode: Mode) {
+        self.wanted = Some((line, mode));
+        self.advance(now);
+    }
+
+    /// Whether only requests that change nothing in a device may leave. Everything else fails with
+    /// [`Failure::ReadOnly`], also what waits already.
+    pub fn set_read_only(&mut self, read_only: bool) {
+        self.read_only = read_only;
+    }
+
+    /// Queues a job. Jobs go in order, and take turns with the poll. Without a link the job fails at once.
     pub fn submit(&mut self, now: Instant, job: Job) -> JobId {
         let id = JobId(self.next_job);
         self.next_job += 1;
@@ -210,6 +234,13 @@ impl Master {
         }
         self.advance(now);
         id
+    }
+
+    /// Takes a job back that waits for its turn, and says whether it did. Nothing more is heard of it.
+    pub fn withdraw(&mut self, job: JobId) -> bool {
+        let before = self.jobs.len();
+        self.jobs.retain(|queued| queued.id != job);
+        self.jobs.len() < before
     }
 
     /// Sets what is read periodically, from now on; `None` stops it. A request under way still ends.
@@ -235,8 +266,10 @@ impl Master {
     pub fn handle_link(&mut self, now: Instant, event: LinkEvent) {
         if event == LinkEvent::LineError {
             self.counters.line_errors += 1;
-            if let Some(current) = &mut self.current {
-                current.line_errors += 1;
+            match &mut self.current {
+                Some(Current::Request(current)) => current.line_errors += 1,
+                Some(Current::Raw(current)) => current.line_errors += 1,
+                None => {}
             }
         }
         let before = self.link.state();
@@ -257,7 +290,7 @@ impl Master {
     }
 
     /// Bytes to be sent now.
-    pub fn poll_transmit(&mut self) -> Option<Vec<u8>> {
+    pub fn poll_transmit(&mut self) -> Option<Transmit> {
         self.outgoing.take()
     }
 
@@ -272,7 +305,8 @@ impl Master {
             return self.link.timeout();
         }
         match &self.current {
-            Some(current) => Some(current.next_look(self.inbox.last_at())),
+            Some(Current::Request(current)) => Some(current.next_look(self.inbox.last_at())),
+            Some(Current::Raw(current)) => Some(current.end(&self.inbox)),
             None => self.next_departure(),
         }
     }
@@ -280,7 +314,7 @@ impl Master {
     /// Moves on as far as the time and the bytes allow.
     fn advance(&mut self, now: Instant) {
         self.link.handle_timeout(now, self.config);
-        if self.link.state() != LinkState::Open {
+        if self.link.state() != LinkState::Open && self.wanted.is_none() {
             return;
         }
         loop {
@@ -288,6 +322,13 @@ impl Master {
                 if !self.look_for_reply(now) {
                     return;
                 }
+            } else if let Some((line, mode)) = self.wanted.take() {
+                if (self.config.line, self.config.mode) != (line, mode) {
+                    self.overdue.forget();
+                }
+                (self.config.line, self.config.mode) = (line, mode);
+                self.link.reopen(line);
+                return;
             } else {
                 self.sort_stray_bytes(now);
                 match self.next_departure() {
@@ -308,7 +349,11 @@ impl Master {
             patience: &mut self.patience,
             counters: &mut self.counters,
         };
-        match current.look(now, &mut around) {
+        let progress = match current {
+            Current::Request(current) => current.look(now, &mut around),
+            Current::Raw(current) => current.look(now, &mut around),
+        };
+        match progress {
             Progress::Waiting => false,
             Progress::Ended(exchange) => {
                 self.finish(now, exchange);
@@ -318,9 +363,26 @@ impl Master {
     }
 
     fn finish(&mut self, now: Instant, exchange: Exchange) {
-        let Some(ended) = self.current.take() else { return };
-        self.counters.count(&exchange);
+        let Some(current) = self.current.take() else { return };
         self.quiet_until = now + self.config.line.frame_gap();
+        let asker = match current {
+            Current::Request(ended) => {
+                self.counters.count(&exchange);
+                self.learn(now, &ended, &exchange);
+                ended.asker
+            }
+            Current::Raw(ended) => {
+                for (unit, request) in ended.unanswered(&exchange.received) {
+                    self.overdue.push(unit, request, ended.on_wire_until);
+                }
+                ended.asker
+            }
+        };
+        self.report(asker, exchange);
+    }
+
+    /// What the end of a transaction tells about the device, and how long to leave the line alone after it.
+    fn learn(&mut self, now: Instant, ended: &Transaction, exchange: &Exchange) {
         match &exchange.result {
             Ok(_) | Err(Failure::Exception { .. }) => {
                 self.patience.answered(ended.latency(now));
@@ -336,19 +398,21 @@ impl Master {
                 self.quiet_until = (now + TURNAROUND).max(ended.on_wire_until + self.patience.slowest_with_margin());
             }
             Err(Failure::BadCheck { .. }) => self.quiet_until = now + TURNAROUND,
-            Err(Failure::LinkLost | Failure::Invalid(_)) => {}
+            Err(Failure::LinkLost | Failure::ReadOnly | Failure::Invalid(_)) => {}
         }
-        self.report(ended.origin, exchange);
     }
 
     /// Tells how a transaction ended, or puts a job back that may be tried again.
-    fn report(&mut self, origin: Origin, exchange: Exchange) {
-        match origin {
-            Origin::Poll(index) => self.events.push_back(Event::Polled { index, exchange }),
-            Origin::Job(id, mut job) => {
-                let again = exchange.result.as_ref().is_err_and(|failure| {
-                    job.retries > 0 && !job.request.is_write() && failure.next_step(false) == NextStep::Retry
-                });
+    fn report(&mut self, asker: Asker, exchange: Exchange) {
+        match asker {
+            Asker::Recorded => {}
+            Asker::Poll(index) => self.events.push_back(Event::Polled { index, exchange }),
+            Asker::Job(id, mut job) => {
+                let reads = matches!(&job.content, Content::Request { request, .. } if !request.is_write());
+                let again = exchange
+                    .result
+                    .as_ref()
+                    .is_err_and(|failure| job.retries > 0 && reads && failure.next_step(false) == NextStep::Retry);
                 if again {
                     job.retries -= 1;
                     self.jobs.push_front(Queued { id, job, since: exchange.at });
@@ -359,76 +423,21 @@ impl Master {
         }
     }
 
-    /// Bytes that come while nobody is asked: overdue replies, or noise.
+    /// Bytes that come while nobody is asked: overdue replies, or noise. Only what may become a late reply is kept.
     fn sort_stray_bytes(&mut self, now: Instant) {
+        self.overdue.prune(now);
         while let Some(latency) = self.overdue.take_reply(now, &mut self.inbox, self.config.mode) {
             self.counters.late_replies += 1;
             self.patience.late(latency);
         }
+        let longest = if self.overdue.is_empty() { 0 } else { ascii::MAX_ADU_LEN };
+        self.counters.noise_bytes += self.inbox.keep(longest);
     }
 
-    /// When the next request may leave, if there is one.
-    fn next_departure(&self) -> Option<Instant> {
-        let (due, unit) = match (self.jobs.front(), &self.schedule) {
-            (Some(queued), _) => (queued.since, queued.job.unit),
-            (None, Some(schedule)) => (schedule.due(), schedule.unit()),
-            (None, None) => return None,
-        };
-        let mut quiet = self.quiet_until;
-        if self.last_unit.is_some_and(|last| last != unit) {
-            quiet = quiet + self.config.unit_pause;
-        }
-        if let Some(heard) = self.inbox.last_at() {
-            let chatter = heard + self.config.line.frame_gap();
-            let limit = quiet.max(due) + CHATTER_PATIENCE;
-            quiet = quiet.max(chatter.min(limit));
-        }
-        Some(due.max(quiet))
-    }
-
-    fn depart(&mut self, now: Instant) {
-        let (origin, unit, request) = if let Some(Queued { id, job, .. }) = self.jobs.pop_front() {
-            let (unit, request) = (job.unit, job.request.clone());
-            (Origin::Job(id, job), unit, request)
-        } else if let Some(schedule) = &mut self.schedule {
-            let unit = schedule.unit();
-            let (index, request) = schedule.take(now);
-            (Origin::Poll(index), unit, request)
-        } else {
-            return;
-        };
-        let frame = request
-            .encode()
-            .map_err(Failure::from)
-            .and_then(|pdu| adu::encode(self.config.mode, unit, &pdu).ok_or(Failure::Invalid(PduError::TooLong)));
-        match frame {
-            Ok(frame) => {
-                self.counters.noise_bytes += self.inbox.clear();
-                self.counters.requests += 1;
-                self.overdue.prune(now);
-                self.last_unit = Some(unit);
-                self.outgoing = Some(frame.clone());
-                self.current =
-                    Some(Transaction::new(now, self.config, self.patience.time_out(), origin, unit, request, frame));
-            }
-            Err(failure) => {
-                let nothing = Exchange {
-                    sent: Vec::new(),
-                    received: Vec::new(),
-                    at: now,
-                    round_trip: None,
-                    result: Err(failure),
-                };
-                self.report(origin, nothing);
-            }
-        }
-    }
-
-    /// A new link has no history.
+    /// A new link has no history, but a device still owes what it owes if only the port was opened again.
     fn start_afresh(&mut self, now: Instant) {
         self.inbox.clear();
         self.echo = Echo::Unknown;
-        self.overdue.forget();
         self.patience = Patience::new(self.config.response_timeout);
         self.quiet_until = now + self.config.line.frame_gap();
         self.last_unit = None;
@@ -440,22 +449,19 @@ impl Master {
     /// Ends everything under way: there is no link.
     fn abandon(&mut self, now: Instant) {
         self.outgoing = None;
+        self.overdue.forget();
         self.counters.noise_bytes += self.inbox.clear();
         if let Some(current) = self.current.take() {
-            let exchange = current.abandoned(now);
-            if let Origin::Job(id, _) = current.origin {
+            let (exchange, asker) = match current {
+                Current::Request(current) => (current.abandoned(now), current.asker),
+                Current::Raw(current) => (current.abandoned(now), current.asker),
+            };
+            if let Asker::Job(id, _) = asker {
                 self.events.push_back(Event::Done { job: id, exchange });
             }
         }
         for Queued { id, .. } in std::mem::take(&mut self.jobs) {
-            let exchange = Exchange {
-                sent: Vec::new(),
-                received: Vec::new(),
-                at: now,
-                round_trip: None,
-                result: Err(Failure::LinkLost),
-            };
-            self.events.push_back(Event::Done { job: id, exchange });
+            self.events.push_back(Event::Done { job: id, exchange: Exchange::unsent(now, Failure::LinkLost) });
         }
     }
 }

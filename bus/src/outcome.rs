@@ -5,6 +5,7 @@ use core::time::Duration;
 use buslens_codec::pdu::{ExceptionCode, PduError, Response};
 use serde::{Deserialize, Serialize};
 
+use crate::record::{End, Outcome};
 use crate::time::Instant;
 
 /// What a completed job brought.
@@ -14,6 +15,8 @@ pub enum Answer {
     Reply(Response),
     /// A broadcast write has left and the turnaround has passed; nobody answers a broadcast.
     BroadcastSent,
+    /// Bytes that are no request have left, something was heard, and the line is quiet.
+    Heard,
 }
 
 /// Why a job brought no answer.
@@ -50,6 +53,9 @@ pub enum Failure {
     /// The port closed or vanished before the reply.
     #[error("the port is gone")]
     LinkLost,
+    /// It may change something in a device, and only reads are let out. Not sent.
+    #[error("only reads are let out")]
+    ReadOnly,
     /// The request breaks a limit of the standard and was not sent.
     #[error(transparent)]
     Invalid(#[from] PduError),
@@ -75,7 +81,7 @@ impl Failure {
             Self::Exception { code: ExceptionCode::Acknowledge | ExceptionCode::ServerDeviceBusy, .. } => {
                 NextStep::Retry
             }
-            Self::Exception { .. } | Self::Invalid(_) => NextStep::ChangeRequest,
+            Self::Exception { .. } | Self::ReadOnly | Self::Invalid(_) => NextStep::ChangeRequest,
             Self::LinkLost => NextStep::ReopenPort,
             Self::NoAnswer { .. } | Self::BadCheck { .. } | Self::Doubtful | Self::Unproven => {
                 if wrote {
@@ -93,14 +99,45 @@ impl Failure {
 pub struct Exchange {
     /// The whole frame that was sent; empty if none was.
     pub sent: Vec<u8>,
-    /// The whole frame that answered; empty if none did.
+    /// The whole frame that answered, or whatever was heard instead.
     pub received: Vec<u8>,
+    /// When the bytes were handed to the port; of bytes that were not sent, when it ended.
+    pub sent_at: Instant,
     /// When it ended.
     pub at: Instant,
     /// From the first byte handed to the port to the last byte of the reply, if there was one.
     pub round_trip: Option<Duration>,
     /// The answer or the reason why there is none.
     pub result: Result<Answer, Failure>,
+}
+
+impl Exchange {
+    /// Nothing was sent.
+    pub(crate) fn unsent(now: Instant, failure: Failure) -> Self {
+        Self { sent: Vec::new(), received: Vec::new(), sent_at: now, at: now, round_trip: None, result: Err(failure) }
+    }
+}
+
+/// The exchange in a word, for whoever sent the bytes from outside.
+impl From<&Exchange> for Outcome {
+    fn from(exchange: &Exchange) -> Self {
+        let end = match &exchange.result {
+            Ok(Answer::Reply(_)) | Err(Failure::Exception { .. }) => End::Answered,
+            Ok(Answer::BroadcastSent) => End::Broadcast,
+            Ok(Answer::Heard) => End::Heard,
+            Err(Failure::NoAnswer { .. }) if exchange.received.is_empty() => End::Silence,
+            Err(Failure::NoAnswer { .. } | Failure::BadCheck { .. }) => End::Damaged,
+            Err(Failure::Doubtful | Failure::Unproven) => End::Doubtful,
+            Err(Failure::ReadOnly) => End::ReadOnly,
+            Err(Failure::LinkLost | Failure::Invalid(_)) => End::NoPort,
+        };
+        Self {
+            at_us: exchange.sent_at.as_micros(),
+            heard: exchange.received.clone(),
+            round_trip_us: exchange.round_trip.and_then(|round_trip| u32::try_from(round_trip.as_micros()).ok()),
+            end,
+        }
+    }
 }
 
 /// Counts since the link was first opened.
@@ -134,7 +171,8 @@ impl Counters {
             Err(Failure::Exception { .. }) => self.exceptions += 1,
             Err(Failure::NoAnswer { .. } | Failure::Doubtful | Failure::Unproven) => self.no_answers += 1,
             Err(Failure::BadCheck { .. }) => self.bad_checks += 1,
-            Ok(Answer::BroadcastSent) | Err(Failure::LinkLost | Failure::Invalid(_)) => {}
+            Ok(Answer::BroadcastSent | Answer::Heard)
+            | Err(Failure::LinkLost | Failure::ReadOnly | Failure::Invalid(_)) => {}
         }
     }
 }

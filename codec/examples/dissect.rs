@@ -52,7 +52,7 @@ pub(crate) fn run(
     let mut bytes = Vec::new();
     input.read_to_end(&mut bytes)?;
     let (transcript, faults) = read(&String::from_utf8_lossy(&bytes), notes)?;
-    if transcript.bytes().is_empty() {
+    if transcript.stream_len() == 0 {
         if faults == 0 {
             writeln!(notes, "no bytes in this text")?;
         }

@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 pub use form::{Detection, Form, detect};
 
 use crate::segment::Segment;
+use crate::session::{self, Remark, Told};
 use line::Line;
 use output::Output;
 
@@ -54,6 +55,8 @@ pub struct Intake {
     pub form: Form,
     /// Another sensible reading.
     pub alternative: Option<Form>,
+    /// What a session tells beside its bytes, in order.
+    pub remarks: Vec<Remark>,
 }
 
 /// Where a text stops making sense.
@@ -100,6 +103,8 @@ pub struct Portion {
     pub segments: Vec<Segment>,
     /// Faults found, as long as there have been no more than [`MAX_FAULTS`].
     pub faults: Vec<IntakeError>,
+    /// What a session tells beside its bytes, in order; places count from the beginning of the whole stream.
+    pub remarks: Vec<Remark>,
 }
 
 /// Reads a text of one form, in pieces of any size: their borders mean nothing.
@@ -193,6 +198,10 @@ impl Reader {
 
     fn line(&mut self, text: &str) {
         self.lines += 1;
+        if self.form == Form::Session {
+            // It may hold no entry.
+            return self.session_line(text);
+        }
         let line = Line::new(text, self.lines, &mut self.codes);
         if line.is_blank() {
             return;
@@ -212,7 +221,28 @@ impl Reader {
             Form::AsciiFrames => ascii::line(&line, &mut self.hex, &mut self.output),
             Form::HexDump => dump::line(&line, dump::Unit::Bytes, &mut self.dump, &mut self.output),
             Form::WordDump => dump::line(&line, dump::Unit::Words, &mut self.dump, &mut self.output),
+            // It has no lines of this kind.
+            Form::Session => {}
             Form::Log => self.log.line(&line, &mut self.output),
+        }
+    }
+
+    fn session_line(&mut self, text: &str) {
+        let number = u32::try_from(self.lines).unwrap_or(u32::MAX);
+        let start = self.output.stream_len();
+        match session::line(text, self.lines, &mut self.output.bytes) {
+            Ok(session::Read::Nothing) => {}
+            Ok(session::Read::Told(told)) => self.output.remark(Remark::new(start, told)),
+            Ok(session::Read::Entry(segment, mark)) => {
+                self.output.segment(Segment { start, line: number, ..segment });
+                if let Some(mark) = mark {
+                    self.output.remark(Remark::new(start, Told::Mark(mark)));
+                }
+            }
+            Err((at, fault)) => {
+                let column = text.get(..at).unwrap_or(text).chars().count();
+                self.output.place(self.lines, column + 1, fault);
+            }
         }
     }
 }
@@ -228,8 +258,8 @@ pub fn read_as(text: &str, form: Form) -> Intake {
     let mut reader = Reader::new(form);
     reader.push(text);
     reader.finish();
-    let Portion { bytes, segments, faults } = reader.take();
-    Intake { bytes, segments, faults, fault_count: reader.fault_count(), form, alternative: None }
+    let Portion { bytes, segments, faults, remarks } = reader.take();
+    Intake { bytes, segments, faults, fault_count: reader.fault_count(), form, alternative: None, remarks }
 }
 
 #[cfg(test)]

@@ -28,7 +28,12 @@ pub struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// At the first entry. Values are named by `profile`.
     pub fn new(transcript: &'a Transcript, profile: Option<&'a Profile>) -> Self {
-        Self { transcript, profile, next: 0, known: BTreeMap::new() }
+        Self { transcript, profile, next: transcript.first(), known: BTreeMap::new() }
+    }
+
+    /// Tells what forgotten entries told of a unit.
+    pub fn tell(&mut self, unit: UnitId, known: Known) {
+        self.known.insert(unit, known);
     }
 
     /// Writes the next entry as an object, with a line feed behind it; `false` behind the last one.
@@ -57,17 +62,18 @@ pub fn write_entry(
     index: usize,
     known: &mut Known,
 ) -> bool {
-    let Some(entry) = transcript.entries().get(index) else { return false };
+    let Some(entry) = transcript.entry(index) else { return false };
     let bytes = transcript.entry_bytes(index);
     let reading = transcript.reading(index, profile, known);
     out.push_str("{\"kind\":");
     string(out, if entry.kind == EntryKind::Frame { "frame" } else { "noise" });
     number(out, "index", index);
-    number(out, "offset", entry.offset);
+    key(out, "offset");
+    plain(out, entry.offset);
     match entry.kind {
         EntryKind::Noise => self::bytes(out, "bytes", bytes),
         EntryKind::Frame => {
-            frame(out, (bytes, transcript.header(index)), entry, reading.dissection.as_ref(), profile);
+            frame(out, (bytes, transcript.header(index)), &entry, reading.dissection.as_ref(), profile);
         }
     }
     key(out, "diagnoses");
@@ -273,7 +279,8 @@ fn hex(out: &mut String, bytes: &[u8]) {
     out.push('"');
 }
 
-fn string(out: &mut String, text: &str) {
+/// Writes a text as JSON does: between quotes, escaped where it must be.
+pub fn string(out: &mut String, text: &str) {
     out.push('"');
     for character in text.chars() {
         match character {

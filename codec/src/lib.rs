@@ -33,6 +33,7 @@ pub mod pdu;
 pub mod profile;
 pub mod rtu;
 pub mod segment;
+pub mod session;
 pub mod stream;
 pub mod transcript;
 mod unit;

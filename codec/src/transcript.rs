@@ -1,6 +1,7 @@
 //! What happened on a line: every frame and every stretch of noise in order, requests joined to their responses.
 //!
-//! A [`Transcript`] takes a stream in portions of any size, with what its source tells of it, and owns the bytes. Frames
+//! A [`Transcript`] takes a stream in portions of any size, with what its source tells of it, and owns the bytes; of a stream
+//! without end it can forget the oldest entries. Frames
 //! with a right check are cut out first; what lies between them is searched for damaged frames ([`crate::diagnose`]),
 //! and what is still left is noise. All work is linear in the stream: noise gets a bounded amount of work for each byte.
 
@@ -8,6 +9,7 @@ mod choose;
 mod cut;
 mod pair;
 mod recover;
+mod store;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -19,36 +21,49 @@ use crate::dissect::{Direction, Dissection, dissect_known};
 use crate::line::Mode;
 use crate::pdu::Request;
 use crate::profile::{Known, Profile};
-use crate::segment::Segment;
+use crate::segment::{Origin, Segment};
 use cut::Run;
 use pair::{Pairing, View};
 use recover::Found;
+use store::Store;
 
 /// A stream taken apart into frames and noise.
 #[derive(Clone, Debug, Default)]
 pub struct Transcript {
-    bytes: Vec<u8>,
-    entries: Vec<Entry>,
+    entries: Store,
+    /// Bytes that are no entry yet, behind some that are.
+    tail: Vec<u8>,
+    /// Bytes of the stream before them.
+    tail_start: u64,
     /// Segments that the last entry has not left behind, in order.
-    segments: VecDeque<Segment>,
+    sources: VecDeque<Source>,
     run: Option<Run>,
     /// Bytes that runs have taken.
-    taken: usize,
+    taken: u64,
     pairing: Pairing,
+}
+
+/// A segment and its place in a stream of any length.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    start: u64,
+    segment: Segment,
 }
 
 /// A frame or a stretch of noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Bytes of the stream before it.
-    pub offset: usize,
+    pub offset: u64,
     /// Its length in bytes, characters in ASCII mode.
     pub len: u32,
     /// The line of the text that it begins on, counted from 1; 0 where there is no text.
     pub line: u32,
-    /// When, in microseconds on the source's own clock: the time of the segment that it begins in.
+    /// When it began, in microseconds on the source's own clock: by the segment that it begins in.
     pub time_us: Option<u64>,
-    /// Index of the other half of the transaction.
+    /// From its beginning to its end, in microseconds, as far as the source tells; else 0.
+    pub span_us: u32,
+    /// Number of the other half of the transaction.
     pub pair: Option<u32>,
     /// Frame or noise.
     pub kind: EntryKind,
@@ -64,6 +79,8 @@ pub struct Entry {
     pub echo: bool,
     /// The same request as the one before, which nobody answered.
     pub repeated: bool,
+    /// Who had it sent, as the source says.
+    pub origin: Origin,
 }
 
 /// What an entry is.
@@ -85,9 +102,32 @@ pub struct Reading {
 }
 
 impl Entry {
-    /// Its place in the stream.
-    pub fn range(&self) -> Range<usize> {
-        self.offset..self.offset.saturating_add(self.len as usize)
+    /// What stands for an entry that is forgotten.
+    const BLANK: Self = Self {
+        offset: 0,
+        len: 0,
+        line: 0,
+        time_us: None,
+        span_us: 0,
+        pair: None,
+        kind: EntryKind::Noise,
+        mode: Mode::Rtu,
+        direction: Direction::Unknown,
+        mark: Direction::Unknown,
+        check_ok: false,
+        echo: false,
+        repeated: false,
+        origin: Origin::Unknown,
+    };
+
+    /// Bytes of the stream up to its end.
+    pub fn end(&self) -> u64 {
+        self.offset.saturating_add(self.len.into())
+    }
+
+    /// When it ended, in microseconds on the source's own clock.
+    pub fn end_us(&self) -> Option<u64> {
+        self.time_us.map(|time| time.saturating_add(self.span_us.into()))
     }
 
     /// Whether it is a request without a response.
@@ -108,41 +148,111 @@ impl Transcript {
     }
 
     /// Takes the next bytes in. `segments` tell of them, in order, their starts counted from the stream's start; bytes
-    /// before the first segment belong to the last one that came before, or go unmarked in RTU mode.
+    /// before the first segment belong to the last one that came before, or go unmarked in RTU mode. A segment that is
+    /// whole ends with these bytes.
     pub fn push(&mut self, bytes: &[u8], segments: &[Segment]) {
-        self.bytes.extend_from_slice(bytes);
+        self.tail.extend_from_slice(bytes);
+        let end = self.stream_len();
         for segment in segments {
-            let start = segment.start.clamp(self.taken, self.bytes.len());
+            let start = (segment.start as u64).clamp(self.taken, end);
             self.feed(start);
-            self.segments.push_back(Segment { start, ..*segment });
-            let continues = self.run.as_ref().is_some_and(|run| run.continues(segment.mode, segment.direction));
-            if !continues {
-                self.end_run();
-                self.run = Some(Run::new(segment.mode, segment.direction, start));
-            }
+            self.begin(start, segment);
         }
-        self.feed(self.bytes.len());
+        self.feed(end);
+        self.trim();
+    }
+
+    /// Takes the next bytes in, which are a segment of their own; its start is not looked at.
+    pub fn append(&mut self, bytes: &[u8], segment: &Segment) {
+        self.begin(self.stream_len(), segment);
+        self.tail.extend_from_slice(bytes);
+        self.feed(self.stream_len());
+        self.trim();
+    }
+
+    /// The line is quiet: what is held back becomes entries. More may come; it is not joined to what came before.
+    pub fn settle(&mut self) {
+        let Some(run) = &self.run else { return };
+        let next = Run::new(run.mode, run.mark, self.taken);
+        self.end_run();
+        self.run = Some(next);
+        self.trim();
     }
 
     /// No more bytes come: what is left becomes entries.
     pub fn finish(&mut self) {
         self.end_run();
+        self.trim();
     }
 
-    /// The whole stream so far.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
+    /// Bytes that are no entry yet.
+    pub fn held_back(&self) -> &[u8] {
+        self.tail.get(self.relative(self.entries.stream_len())..).unwrap_or_default()
     }
 
-    /// Frames and noise so far, in order and without gaps. A later one may still change the direction, the pair and the
-    /// echo mark of those before it.
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
+    /// Bytes of the whole stream so far.
+    pub fn stream_len(&self) -> u64 {
+        self.tail_start.saturating_add(self.tail.len() as u64)
     }
 
-    /// The bytes of an entry, characters in ASCII mode. Empty beyond the last.
+    /// Number of the first entry that is kept: 0, unless some have been forgotten.
+    pub fn first(&self) -> usize {
+        self.entries.first()
+    }
+
+    /// Number behind the last entry.
+    pub fn end(&self) -> usize {
+        self.entries.end()
+    }
+
+    /// An entry by its number. A later one may still change its direction, its pair and its echo mark.
+    pub fn entry(&self, index: usize) -> Option<Entry> {
+        self.entries.get(index)
+    }
+
+    /// Number of the first kept entry that begins at a place of the stream or behind it; the number behind the last entry
+    /// for the place where the next one begins. `None` beyond that.
+    pub fn entry_at(&self, place: u64) -> Option<usize> {
+        let behind = self.entries.stream_len();
+        if place >= behind {
+            return (place == behind).then_some(self.end());
+        }
+        let (mut low, mut high) = (self.first(), self.end());
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.entries.at(middle).offset < place { low = middle + 1 } else { high = middle }
+        }
+        Some(low)
+    }
+
+    /// Frames and noise that are kept, in order and without gaps.
+    pub fn entries(&self) -> impl ExactSizeIterator<Item = Entry> + DoubleEndedIterator + '_ {
+        (self.first()..self.end()).map(|index| self.entries.at(index))
+    }
+
+    /// The bytes of an entry, characters in ASCII mode. Empty for one that is not there.
     pub fn entry_bytes(&self, index: usize) -> &[u8] {
-        self.entries.get(index).and_then(|entry| self.bytes.get(entry.range())).unwrap_or_default()
+        self.entries.bytes(index)
+    }
+
+    /// Forgets the entries before this one. Numbers stay as they are, those in [`Entry::pair`] too.
+    pub fn forget_before(&mut self, index: usize) {
+        self.entries.forget_before(index);
+    }
+
+    /// From now on [`take_changed`](Self::take_changed) tells which entries before this one have changed.
+    pub fn watch(&mut self, until: usize) {
+        self.entries.watch(until);
+    }
+
+    /// Numbers of the watched entries that later ones have changed since this was last asked, some of them several times.
+    pub fn take_changed(&mut self) -> Vec<u32> {
+        self.entries.take_changed()
+    }
+
+    /// Bytes of memory that entries and their bytes take.
+    pub fn footprint(&self) -> usize {
+        self.entries.footprint() + self.tail.capacity() + self.sources.capacity() * size_of::<Source>()
     }
 
     /// A frame taken apart, as it stands, and what is wrong with it or remarkable, most important first; nothing for noise.
@@ -153,7 +263,7 @@ impl Transcript {
             return Reading::default();
         };
         let frame = self.entry_bytes(index);
-        let request = self.request_of(entry).and_then(|request| Request::decode(request.get(1..)?).ok());
+        let request = self.request_of(&entry).and_then(|request| Request::decode(request.get(1..)?).ok());
         let mut unsure = None;
         let known = if entry.check_ok { known } else { unsure.insert(known.clone()) };
         let dissection = dissect_known(frame, entry.mode, entry.direction, request.as_ref(), profile, known);
@@ -172,7 +282,7 @@ impl Transcript {
             return Vec::new();
         };
         let frame = self.entry_bytes(index);
-        let request = self.request_of(entry);
+        let request = self.request_of(&entry);
         // A damaged frame's own bytes say little of its direction.
         let around = Surroundings { direction: entry.mark, request: request.as_deref() };
         if !entry.check_ok {
@@ -189,7 +299,7 @@ impl Transcript {
             found.extend(rtu::truncated(frame, around));
         }
         if found.is_empty() {
-            found.extend(self.unfitting(index, entry, unit, &pdu));
+            found.extend(self.unfitting(index, &entry, unit, &pdu));
         }
         if let [0x80..=0xFF, code, ..] = *pdu {
             found.push(Diagnosis::Exception { code });
@@ -232,7 +342,7 @@ impl Transcript {
             return None;
         }
         let before = pair::frame_before(&self.entries, index)?;
-        self.entries.get(before).filter(|entry| entry.is_unanswered())?;
+        self.entries.get(before).filter(Entry::is_unanswered)?;
         let request = self.meant(before, Direction::Request)?;
         let (asked, head) = request.split_first()?;
         let (function, count) = (*pdu.first()?, *pdu.get(1)?);
@@ -244,15 +354,32 @@ impl Transcript {
         (usize::from(count) != expected).then_some(Diagnosis::ByteCountMismatch { found: count, expected })
     }
 
+    /// Another segment begins.
+    fn begin(&mut self, start: u64, segment: &Segment) {
+        let alone = segment.whole || self.sources.back().is_some_and(|source| source.segment.whole);
+        self.sources.push_back(Source { start, segment: *segment });
+        let continues = self.run.as_ref().is_some_and(|run| run.continues(segment.mode, segment.direction));
+        if alone || !continues {
+            self.end_run();
+            self.run = Some(Run::new(segment.mode, segment.direction, start));
+        }
+    }
+
     /// Lets the run have the stream up to `end`, and takes in what it finds.
-    fn feed(&mut self, end: usize) {
+    fn feed(&mut self, end: u64) {
         if end <= self.taken {
             return;
         }
         let start = self.taken;
-        let run = self.run.get_or_insert_with(|| Run::new(Mode::Rtu, Direction::Unknown, start));
-        run.push(self.bytes.get(start..end).unwrap_or_default());
+        let fresh = self.relative(start)..self.relative(end);
         self.taken = end;
+        if let Some(source) = self.sources.back().filter(|source| source.segment.whole) {
+            let Segment { mode, direction, .. } = source.segment;
+            let found = recover::whole_or_noise(mode, &self.tail, fresh, &self.known(direction));
+            return self.admit(found, mode, direction);
+        }
+        let run = self.run.get_or_insert_with(|| Run::new(Mode::Rtu, Direction::Unknown, start));
+        run.push(self.tail.get(fresh).unwrap_or_default());
         self.drain();
     }
 
@@ -267,10 +394,11 @@ impl Transcript {
     fn drain(&mut self) {
         let Some(mut run) = self.run.take() else { return };
         while let Some(piece) = run.next_piece() {
+            let range = self.relative(piece.range.start)..self.relative(piece.range.end);
             if piece.is_frame {
-                self.admit(Found::frame(piece.range), run.mode, run.mark);
+                self.admit(Found::frame(range), run.mode, run.mark);
             } else {
-                self.search(piece.range, run.mode, run.mark);
+                self.search(range, run.mode, run.mark);
             }
         }
         self.run = Some(run);
@@ -278,42 +406,80 @@ impl Transcript {
 
     /// Looks for damaged frames in a stretch without a right check.
     fn search(&mut self, stretch: Range<usize>, mode: Mode, mark: Direction) {
-        let first = self.segments.partition_point(|segment| segment.start <= stretch.start);
-        let later = self.segments.iter().skip(first).map(|segment| segment.start);
-        let borders: Vec<usize> = later.take_while(|start| *start < stretch.end).collect();
+        let lines = self.sources.iter().filter(|source| source.segment.line > 0);
+        let lines = lines.map(|source| self.relative(source.start)).skip_while(|start| *start <= stretch.start);
+        let borders: Vec<usize> = lines.take_while(|start| *start < stretch.end).collect();
         let mut search = recover::Search::new(mode, stretch, &borders);
-        loop {
-            let known =
-                recover::Known { mark, request: self.pairing.expected(&self.entries), units: self.pairing.units() };
-            let Some(found) = search.next(&self.bytes, &known) else { return };
+        while let Some(found) = search.next(&self.tail, &self.known(mark)) {
             self.admit(found, mode, mark);
         }
     }
 
+    fn known(&self, mark: Direction) -> recover::Known<'_> {
+        recover::Known { mark, request: self.pairing.expected(&self.entries), units: self.pairing.units() }
+    }
+
     fn admit(&mut self, found: Found, mode: Mode, mark: Direction) {
         let Found { range, kind } = found;
-        while self.segments.get(1).is_some_and(|next| next.start <= range.start) {
-            self.segments.pop_front();
+        let offset = self.tail_start.saturating_add(range.start as u64);
+        let end = self.tail_start.saturating_add(range.end as u64);
+        while self.sources.get(1).is_some_and(|next| next.start <= offset) {
+            self.sources.pop_front();
         }
-        let source = self.segments.front().filter(|segment| segment.start <= range.start);
-        let frame = self.bytes.get(range.clone()).unwrap_or_default();
+        let source = self.sources.front().filter(|source| source.start <= offset).copied();
+        let segment = source.map(|source| source.segment).unwrap_or_default();
+        let time_us = self.time_at(0, offset);
+        let last = match self.sources.get(1) {
+            Some(next) if next.start < end => {
+                self.sources.iter().take_while(|source| source.start < end).count().saturating_sub(1)
+            }
+            _ => 0,
+        };
+        let end_us = self.time_at(last, end);
+        let span = end_us.unwrap_or(0).saturating_sub(time_us.unwrap_or(u64::MAX));
+        let frame = self.tail.get(range).unwrap_or_default();
         let entry = Entry {
-            offset: range.start,
-            len: u32::try_from(range.len()).unwrap_or(u32::MAX),
-            line: source.map_or(0, |segment| segment.line),
-            time_us: source.and_then(|segment| segment.time_us),
-            pair: None,
+            line: segment.line,
+            time_us,
+            span_us: u32::try_from(span).unwrap_or(u32::MAX),
             kind,
             mode,
             direction: mark,
             mark,
             check_ok: kind == EntryKind::Frame && recover::is_right(mode, frame),
-            echo: false,
-            repeated: false,
+            origin: segment.origin,
+            ..Entry::BLANK
         };
-        self.entries.push(entry);
+        self.entries.push(&entry, frame);
         if kind == EntryKind::Frame {
-            self.pairing.place(&mut self.entries, &self.bytes);
+            self.pairing.place(&mut self.entries, &entry, frame);
+        }
+    }
+
+    /// When the stream had come to a place, by one of the segments that still count: its bytes share its time evenly.
+    fn time_at(&self, source: usize, place: u64) -> Option<u64> {
+        let Source { start, segment } = self.sources.get(source)?;
+        let time_us = segment.time_us?;
+        let passed = place.checked_sub(*start)?;
+        if segment.span_us == 0 {
+            return Some(time_us);
+        }
+        let end = self.sources.get(source + 1).map_or(self.taken, |next| next.start);
+        let span = u64::from(segment.span_us).saturating_mul(passed).checked_div(end.saturating_sub(*start));
+        Some(time_us.saturating_add(span.unwrap_or(0)))
+    }
+
+    /// Where a place of the stream is in the tail.
+    fn relative(&self, place: u64) -> usize {
+        usize::try_from(place.saturating_sub(self.tail_start)).unwrap_or(usize::MAX)
+    }
+
+    /// Drops bytes that are entries, once they are the greater part.
+    fn trim(&mut self) {
+        let given = self.relative(self.entries.stream_len());
+        if given > self.tail.len() / 2 {
+            self.tail.drain(..given.min(self.tail.len()));
+            self.tail_start = self.tail_start.saturating_add(given as u64);
         }
     }
 }

@@ -13,7 +13,7 @@ use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
 
 fn read(mode: Mode, bytes: &[u8]) -> Transcript {
-    let segment = Segment { start: 0, mode, direction: Direction::Unknown, time_us: None, line: 1 };
+    let segment = Segment { start: 0, mode, direction: Direction::Unknown, line: 1, ..Segment::default() };
     let mut transcript = Transcript::new();
     transcript.push(bytes, &[segment]);
     transcript.finish();
@@ -23,8 +23,9 @@ fn read(mode: Mode, bytes: &[u8]) -> Transcript {
 /// What is wrong with the only entry that these bytes make: a damaged frame.
 fn alone(mode: Mode, bytes: &[u8]) -> Vec<Diagnosis> {
     let transcript = read(mode, bytes);
-    let [Entry { kind: EntryKind::Frame, check_ok: false, .. }] = transcript.entries() else {
-        panic!("{bytes:02X?}: {:?}", transcript.entries());
+    let entries: Vec<Entry> = transcript.entries().collect();
+    let [Entry { kind: EntryKind::Frame, check_ok: false, .. }] = entries[..] else {
+        panic!("{bytes:02X?}: {entries:?}");
     };
     transcript.diagnoses(0)
 }
@@ -41,15 +42,14 @@ fn between(mode: Mode, bytes: &[u8]) -> Option<Vec<Diagnosis>> {
     let parts = [frame(&BEFORE[..8]), frame(&BEFORE[8..]), bytes.to_vec(), frame(&AFTER)];
     let transcript = read(mode, &parts.concat());
     let offset = parts[0].len() + parts[1].len();
-    let here = |entry: &&Entry| entry.range() == (offset..offset + bytes.len()) && entry.kind == EntryKind::Frame;
-    let found = transcript.entries().iter().find(here).filter(|entry| !entry.check_ok).map(|entry| {
-        let index = transcript.entries().iter().position(|other| other == entry).unwrap();
-        transcript.diagnoses(index)
-    });
+    let here = |entry: &Entry| {
+        (entry.offset, entry.len as usize, entry.kind) == (offset as u64, bytes.len(), EntryKind::Frame)
+    };
+    let found = transcript.entries().position(|entry| here(&entry) && !entry.check_ok);
+    let found = found.map(|index| transcript.diagnoses(index));
     // The good frames are found whatever stands between them.
-    let good: Vec<usize> =
-        transcript.entries().iter().filter(|entry| entry.check_ok).map(|entry| entry.offset).collect();
-    assert_eq!(good, [0, parts[0].len(), offset + bytes.len()], "{bytes:02X?}");
+    let good: Vec<u64> = transcript.entries().filter(|entry| entry.check_ok).map(|entry| entry.offset).collect();
+    assert_eq!(good, [0, parts[0].len(), offset + bytes.len()].map(|place| place as u64), "{bytes:02X?}");
     found
 }
 
@@ -105,7 +105,7 @@ proptest! {
             let mut damaged = frame.clone();
             damaged[byte] ^= 1 << bit;
             // Once in a while a part of it has a right check by chance.
-            if read(Mode::Rtu, &damaged).entries().iter().any(|entry| entry.check_ok) {
+            if read(Mode::Rtu, &damaged).entries().any(|entry| entry.check_ok) {
                 continue;
             }
             let found = alone(Mode::Rtu, &damaged);
@@ -269,8 +269,8 @@ proptest! {
         left[a] ^= 1 << bit;
         right[b] ^= 1 << bit;
         let transcript = read(Mode::Rtu, &[left, right].concat());
-        let entries = transcript.entries();
-        prop_assert_eq!(entries.len(), 2, "{:?} {:02X?}", entries, transcript.bytes());
+        let entries: Vec<Entry> = transcript.entries().collect();
+        prop_assert_eq!(entries.len(), 2, "{:?}", entries);
         let expected = Diagnosis::SingleBitError { byte: a, bit, repaired: first };
         prop_assert_eq!(&transcript.diagnoses(0)[0], &expected);
         let expected = Diagnosis::SingleBitError { byte: b, bit, repaired: second };
@@ -338,7 +338,7 @@ proptest! {
             start += step;
             let mode = if *is_ascii { Mode::Ascii } else { Mode::Rtu };
             let direction = [Direction::Unknown, Direction::Request, Direction::Response][usize::from(*mark)];
-            Segment { start, mode, direction, time_us: None, line: 1 }
+            Segment { start, mode, direction, line: 1, ..Segment::default() }
         }).filter(|segment| segment.start < stream.len()).collect();
         let mut whole = Transcript::new();
         whole.push(&stream, &segments);
@@ -352,21 +352,21 @@ proptest! {
             at = end;
         }
         portions.finish();
-        prop_assert_eq!(whole.entries(), portions.entries());
+        prop_assert!(whole.entries().eq(portions.entries()));
         let mut at = 0;
-        for (index, entry) in whole.entries().iter().enumerate() {
+        for (index, entry) in whole.entries().enumerate() {
             prop_assert_eq!(entry.offset, at);
             prop_assert!(entry.len > 0);
-            at = entry.range().end;
+            at = entry.end();
             if let Some(pair) = entry.pair {
-                let other = &whole.entries()[pair as usize];
+                let other = whole.entry(pair as usize).unwrap();
                 prop_assert_eq!(other.pair, Some(u32::try_from(index).unwrap()));
                 prop_assert_ne!(other.direction, entry.direction);
             }
             let found = whole.diagnoses(index);
             prop_assert!(entry.kind == EntryKind::Noise || entry.check_ok || !found.is_empty(), "{:?} {:02X?}", entry, whole.entry_bytes(index));
         }
-        prop_assert_eq!(at, stream.len());
+        prop_assert_eq!(at, stream.len() as u64);
     }
 }
 

@@ -11,6 +11,22 @@ pub(crate) enum Icon {
     Decoder,
     /// Blocks in a row: building frames.
     Builder,
+    /// A prompt in a frame: the console.
+    Console,
+    /// A star: a mark.
+    Mark,
+    /// A pencil: words.
+    Comment,
+    /// An arrow to a line: the newest.
+    Follow,
+    /// Two bars: hold.
+    Pause,
+    /// A triangle: go on.
+    Play,
+    /// A square: stop.
+    Stop,
+    /// A sheet of keys.
+    Keys,
     /// Half-filled disc: theme as the system.
     ThemeAuto,
     /// Sun.
@@ -37,6 +53,14 @@ impl Icon {
             Self::Live => "M2 10h3l2-6 4 11 2-5h3",
             Self::Decoder => "M6 4 2 9l4 5M12 4l4 5-4 5",
             Self::Builder => "M2 7h4v5H2zM6 7h5v5H6zM13.5 9.5h4M15.5 7.5v4",
+            Self::Console => "M2 3.5h14v11H2zM5 7l2.4 2L5 11M9 11.5h4",
+            Self::Mark => "M9 2.2l2 4.4 4.8.5-3.6 3.2 1 4.7L9 12.6 4.8 15l1-4.7L2.2 7.1 7 6.6z",
+            Self::Comment => "M3 15l.8-3.4L12.2 3.2l2.6 2.6-8.4 8.4zM10.6 4.8l2.6 2.6",
+            Self::Follow => "M9 2.5v8.5M5 7.5l4 4 4-4M3.5 15h11",
+            Self::Pause => "M6 4v10M12 4v10",
+            Self::Play => "M5.5 3.5l9 5.5-9 5.5z",
+            Self::Stop => "M4.5 4.5h9v9h-9z",
+            Self::Keys => "M2 5h14v8.5H2zM4.6 7.6v.1M7.5 7.6v.1M10.4 7.6v.1M13.3 7.6v.1M5.5 11h7",
             Self::ThemeAuto => "M9 2.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 1 0 0-13zM9 2.5v13M9 6l5.7 0M9 9h6.5M9 12h5.7",
             Self::ThemeLight => {
                 "M9 6a3 3 0 1 0 0 6 3 3 0 1 0 0-6zM9 1.5v1.7M9 14.8v1.7M1.5 9h1.7M14.8 9h1.7M3.7 3.7l1.2 1.2M13.1 13.1l1.2 1.2M3.7 14.3l1.2-1.2M13.1 4.9l1.2-1.2"

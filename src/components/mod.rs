@@ -3,6 +3,7 @@
 pub(crate) mod alert;
 pub(crate) mod button;
 pub(crate) mod bytes;
+pub(crate) mod desk;
 pub(crate) mod field;
 pub(crate) mod icon;
 pub(crate) mod list;

@@ -18,6 +18,7 @@ use crate::theme::Theme;
 /// The pages. A bar at the bottom of a narrow screen.
 pub(crate) fn rail(app: &'static App) -> El {
     let live = move || app.page.get() == Page::Live;
+    let console = move || app.page.get() == Page::Console;
     let decoder = move || app.page.get() == Page::Decoder;
     let builder = move || app.page.get() == Page::Builder;
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
@@ -34,6 +35,7 @@ pub(crate) fn rail(app: &'static App) -> El {
         .label(app, Language::pages)
         .child(el("div").class("brand").child(mark).child(el("span").text("Buslens")))
         .child(page_link(app, "#/live", "nav-live", Icon::Live, Language::live, live).child(rate))
+        .child(page_link(app, "#/console", "nav-console", Icon::Console, Language::console, console))
         .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, decoder))
         .child(page_link(app, "#/builder", "nav-builder", Icon::Builder, Language::builder, builder))
         .child(el("small").class("version").text(env!("CARGO_PKG_VERSION")))
@@ -65,7 +67,7 @@ pub(crate) fn top_bar(app: &'static App) -> El {
         .attr("aria-live", "polite")
         .live_attr("data-state", phase_name)
         .child(el("i").class("dot").live_attr("data-state", phase_name))
-        .child(el("span").class("state-text").live_text(|| app.phase.get().title(app.language.get()).to_owned()));
+        .child(el("span").class("state-text").live_text(|| app.phase_title()));
     let round_trip = move || {
         let reading = app.phase.get() == Phase::Reading;
         app.status.with(|status| status.round_trip_us.filter(|_| reading))
@@ -138,6 +140,7 @@ pub(crate) fn port_name(app: &'static App) -> String {
     let used = app.connection.with(|connection| connection.as_ref().map(|connection| connection.source));
     match used.filter(|_| app.phase.get().is_connected()) {
         Some(Source::Simulator) => language.simulator().to_owned(),
+        Some(Source::Replay) => language.replay_source().to_owned(),
         Some(Source::Serial(port)) => ports::title(language, &ports, port),
         None => {
             let chosen = app.settings.port.with(|wanted| ports::find(&ports, wanted));
@@ -151,7 +154,8 @@ fn line_text(app: &'static App) -> String {
     let language = app.language.get();
     let used = app.connection.get().filter(|_| app.phase.get().is_connected());
     let shown = used.or_else(|| app.settings.connection(Source::Simulator));
-    shown.map(|connection| connection_text(language, &connection)).unwrap_or_default()
+    let read_only = if app.read_only.get() { [" · ", language.only_reads()].concat() } else { String::new() };
+    shown.map(|connection| connection_text(language, &connection) + &read_only).unwrap_or_default()
 }
 
 /// `9600 8E1 · RTU · unit 12`.

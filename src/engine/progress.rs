@@ -17,7 +17,8 @@ const MISSES: u32 = 2;
 const RATE_WINDOW: Duration = Duration::from_secs(3);
 
 pub(super) struct Progress {
-    profile: Profile,
+    /// Whose registers they are, where that is known.
+    profile: Option<Profile>,
     known: Known,
     period: Duration,
     status: Status,
@@ -29,7 +30,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(profile: Profile, period: Duration) -> Self {
+    pub(super) fn new(profile: Option<Profile>, period: Duration) -> Self {
         Self {
             profile,
             known: Known::default(),
@@ -59,7 +60,8 @@ impl Progress {
         self.changed = true;
         if link == Link::Open {
             self.misses = 0;
-            self.patient_until = now + Duration::from_millis(self.profile.timing.startup_silence_ms.into());
+            let silence_ms = self.profile.as_ref().map_or(0, |profile| profile.timing.startup_silence_ms);
+            self.patient_until = now + Duration::from_millis(silence_ms.into());
         }
         self.status.health = Health::Waiting;
         self.status.round_trip_us = None;
@@ -75,7 +77,7 @@ impl Progress {
         }
         match &exchange.result {
             Ok(Answer::Reply(response)) => self.answered(index, exchange.at, response),
-            Ok(Answer::BroadcastSent) => {}
+            Ok(Answer::BroadcastSent | Answer::Heard) => {}
             Err(failure) => self.failed(exchange.at, failure),
         }
     }
@@ -84,8 +86,11 @@ impl Progress {
         let (Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values }) = response else {
             return;
         };
-        let Some(group) = self.profile.live_groups().into_iter().nth(index) else { return };
-        let points = self.profile.decode_points(response.function(), group.address, values, &mut self.known);
+        let Some(profile) = &self.profile else { return };
+        let groups = profile.live_groups();
+        let Some(group) = groups.get(index) else { return };
+        let is_last = index + 1 == groups.len();
+        let points = profile.decode_points(response.function(), group.address, values, &mut self.known);
         if points.iter().any(|point| point.value.is_err()) {
             self.status.health = Health::Failing(Trouble::BadValue);
             return;
@@ -102,7 +107,7 @@ impl Progress {
         self.misses = 0;
         self.status.health = Health::Reading;
         // A round is done with its last group.
-        if index + 1 == self.profile.live_groups().len() {
+        if is_last {
             self.rounds.push_back(at);
         }
     }
@@ -131,7 +136,7 @@ impl Progress {
                 self.status.health = Health::Failing(trouble);
                 return;
             }
-            Failure::Unproven | Failure::LinkLost | Failure::Invalid(_) => return,
+            Failure::Unproven | Failure::LinkLost | Failure::ReadOnly | Failure::Invalid(_) => return,
         };
         self.misses += 1;
         if self.misses >= MISSES && at >= self.patient_until {
@@ -161,14 +166,14 @@ mod tests {
     const LVDT: &str = include_str!("../../codec/profiles/lvdt.json");
 
     fn progress() -> Progress {
-        let mut progress = Progress::new(Profile::from_json(LVDT).unwrap(), Duration::from_millis(100));
+        let mut progress = Progress::new(Profile::from_json(LVDT).ok(), Duration::from_millis(100));
         progress.link_changed(Instant::ZERO, Link::Open);
         progress
     }
 
     fn exchange(at_ms: u64, result: Result<Answer, Failure>) -> Exchange {
         let at = Instant::from_micros(at_ms * 1000);
-        Exchange { sent: vec![1], received: vec![], at, round_trip: None, result }
+        Exchange { sent: vec![1], received: vec![], sent_at: at, at, round_trip: None, result }
     }
 
     fn reply(values: &[u16]) -> Answer {
@@ -189,7 +194,7 @@ mod tests {
     #[test]
     fn a_value_is_read_once_its_scale_is() {
         const LEVEL: &str = include_str!("../../codec/profiles/level.json");
-        let mut progress = Progress::new(Profile::from_json(LEVEL).unwrap(), Duration::from_millis(500));
+        let mut progress = Progress::new(Profile::from_json(LEVEL).ok(), Duration::from_millis(500));
         let reply = |value| Ok(Answer::Reply(Response::ReadHoldingRegisters { values: vec![value] }));
         // Decimals, unit and value are three reads in this order.
         progress.polled(2, &exchange(100, reply(6000)));

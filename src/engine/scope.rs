@@ -3,8 +3,10 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
+use buslens_analyst::line::{FromLine, ToLine};
 use buslens_bus::time::Instant;
-use js_sys::Uint8Array;
+use js_sys::{Array, Function, Uint8Array};
+use serde::de::DeserializeOwned;
 use wasm_bindgen::prelude::*;
 
 use crate::message::{ToEngine, ToWindow};
@@ -23,20 +25,53 @@ pub(crate) fn post(message: &ToWindow) {
     }
 }
 
-/// Calls back for every message from the window, for as long as the worker lives.
-pub(super) fn on_message(mut handle: impl FnMut(ToEngine) + 'static) {
-    let listener = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-        if let Ok(message) = postcard::from_bytes(&event.data().to_vec()) {
-            handle(message);
+/// Calls back for every message from the window, with what came beside it, for as long as the worker lives.
+pub(super) fn on_message(handle: impl Fn(ToEngine, JsValue) + 'static) {
+    scope().set_onmessage(&listener(move |data| {
+        let parts: Array = data.unchecked_into();
+        if let Some(message) = read(&parts.get(0)) {
+            handle(message, parts.get(1));
         }
-    });
-    scope().set_onmessage(listener.as_ref().unchecked_ref());
-    listener.forget();
+    }));
+}
+
+/// The channel to the console's worker.
+pub(super) struct Channel(MessagePort);
+
+impl Channel {
+    /// Takes up the end that came beside a message; `handle` is called with each message.
+    pub(super) fn new(end: JsValue, handle: impl Fn(ToLine) + 'static) -> Self {
+        let port: MessagePort = end.unchecked_into();
+        port.set_onmessage(&listener(move |data| {
+            if let Some(message) = read(&data) {
+                handle(message);
+            }
+        }));
+        Self(port)
+    }
+
+    /// Sends a message.
+    pub(super) fn post(&self, message: &FromLine) {
+        if let Ok(bytes) = postcard::to_allocvec(message) {
+            self.0.post_message(&Uint8Array::from(bytes.as_slice()));
+        }
+    }
+}
+
+/// A function that hands on what an event carries. It lives as long as the worker: consoles come once a visit.
+fn listener(handle: impl Fn(JsValue) + 'static) -> Function {
+    Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| handle(event.data()))
+        .into_js_value()
+        .unchecked_into()
+}
+
+fn read<T: DeserializeOwned>(data: &JsValue) -> Option<T> {
+    postcard::from_bytes(&data.dyn_ref::<Uint8Array>()?.to_vec()).ok()
 }
 
 /// Holds a Web Lock for as long as it lives: the browser does not freeze a page that holds one.
 pub(super) struct Awake {
-    release: Rc<RefCell<Option<js_sys::Function>>>,
+    release: Rc<RefCell<Option<Function>>>,
 }
 
 impl Awake {
@@ -120,13 +155,19 @@ extern "C" {
     #[wasm_bindgen(method, getter)]
     fn navigator(this: &Scope) -> Navigator;
     #[wasm_bindgen(method, js_name = setTimeout)]
-    fn set_timeout(this: &Scope, callback: &js_sys::Function, milliseconds: i32) -> i32;
+    fn set_timeout(this: &Scope, callback: &Function, milliseconds: i32) -> i32;
     #[wasm_bindgen(method, js_name = clearTimeout)]
     fn clear_timeout(this: &Scope, handle: i32);
     #[wasm_bindgen(method, js_name = postMessage)]
     fn post_message(this: &Scope, data: &Uint8Array);
     #[wasm_bindgen(method, setter)]
-    fn set_onmessage(this: &Scope, listener: &js_sys::Function);
+    fn set_onmessage(this: &Scope, listener: &Function);
+
+    type MessagePort;
+    #[wasm_bindgen(method, js_name = postMessage)]
+    fn post_message(this: &MessagePort, data: &Uint8Array);
+    #[wasm_bindgen(method, setter)]
+    fn set_onmessage(this: &MessagePort, listener: &Function);
 
     type Performance;
     #[wasm_bindgen(method)]
@@ -138,9 +179,9 @@ extern "C" {
 
     type Locks;
     #[wasm_bindgen(method)]
-    fn request(this: &Locks, name: &str, options: &js_sys::Object, hold: &js_sys::Function);
+    fn request(this: &Locks, name: &str, options: &js_sys::Object, hold: &Function);
 
     type MessageEvent;
     #[wasm_bindgen(method, getter)]
-    fn data(this: &MessageEvent) -> Uint8Array;
+    fn data(this: &MessageEvent) -> JsValue;
 }

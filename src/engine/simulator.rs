@@ -7,7 +7,7 @@ use buslens_bus::sim::{Device, Line, sensor};
 use buslens_codec::line::LineSettings;
 use buslens_codec::profile::Profile;
 
-use super::port::{Port, PortEvent};
+use super::port::{Port, PortEvent, Signal};
 use super::scope::{Timer, now};
 
 /// Any number will do; a fixed one makes every demonstration the same.
@@ -40,7 +40,7 @@ impl SimulatedPort {
 }
 
 impl Port for SimulatedPort {
-    fn open(&self, settings: LineSettings) {
+    fn open(&self, settings: LineSettings, _: u32) {
         let state = &mut *self.state.borrow_mut();
         state.line.handle_settings(now(), settings);
         state.open = true;
@@ -60,6 +60,9 @@ impl Port for SimulatedPort {
         state.open = false;
         state.tell(PortEvent::Closed);
     }
+
+    /// The simulated line has two wires.
+    fn signal(&self, _: Signal) {}
 }
 
 impl State {

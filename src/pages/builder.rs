@@ -7,6 +7,8 @@ mod frame;
 mod spellings;
 mod words;
 
+use buslens_codec::line::Mode;
+
 use crate::reactive::prelude::*;
 
 use crate::builder::{Draft, Slot};
@@ -35,6 +37,32 @@ impl Built {
         let draft = form.draft();
         Self { frames: Frames::of(form, &draft), draft }
     }
+}
+
+/// The form and the frame that it makes, for another page.
+pub(crate) struct Bench {
+    /// The two cards.
+    pub(crate) cards: [El; 2],
+    /// The frame.
+    pub(crate) frame: Frame,
+}
+
+/// The frame that a form makes.
+#[derive(Clone, Copy)]
+pub(crate) struct Frame(Memo<Built>);
+
+impl Frame {
+    /// It in a mode; `None` while the form is not whole.
+    pub(crate) fn get(self, mode: Mode) -> Option<Vec<u8>> {
+        self.0.with(|built| built.frames.as_ref().map(|frames| frames.frame(mode).to_vec()))
+    }
+}
+
+/// The builder without a page of its own.
+pub(crate) fn builder_bench(app: &'static Workbench) -> Bench {
+    let form = Form::remembered();
+    let built = Memo::new(move |_| Built::of(form));
+    Bench { cards: [form_card(app, form, built), frame::frame_card(app, form, built)], frame: Frame(built) }
 }
 
 /// The page.

@@ -1,34 +1,36 @@
 //! The Decoder page: whatever came off a line becomes a list of frames, the chosen one is taken apart.
 
 mod desk;
-mod detail;
-mod frames;
 mod input;
 mod tools;
 
+use crate::components::desk::detail::detail;
+use crate::components::desk::frame_list;
+use crate::components::desk::tools::{filter_bar, statistics};
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::route;
 use crate::text::Language;
 use crate::workbench::Workbench;
 
-pub(crate) use desk::Desk;
+pub(crate) use desk::Decoder;
 
 /// The page.
 pub(crate) fn decoder_page(app: &'static Workbench) -> El {
-    let desk = &app.decoder;
-    desk.start(app);
+    let decoder = &app.decoder;
+    let desk = &decoder.desk;
+    decoder.start(app);
     dom::react(move || {
         let text = app.brought.get();
         if !text.is_empty() {
-            desk.replace(text);
+            decoder.replace(text);
             route::forget_text();
         }
     });
     dom::react(move || {
-        desk.typed.track();
-        desk.form.set(None);
-        desk.read_typed();
+        decoder.typed.track();
+        decoder.form.set(None);
+        decoder.read_typed();
     });
     let any = Memo::new(move |_| desk.progress.with(|progress| progress.entries > 0));
     let none_shown = Memo::new(move |_| desk.progress.with(|progress| progress.entries > 0 && progress.shown == 0));
@@ -45,13 +47,14 @@ pub(crate) fn decoder_page(app: &'static Workbench) -> El {
             any.get().then(|| {
                 el("section")
                     .class("card list-card")
-                    .children(tools::tools(app))
-                    .child(frames::frame_list(app))
+                    .child(tools::list_header(app))
+                    .child(filter_bar(app, desk))
+                    .child(frame_list(app, desk))
                     .live_one(move || {
                         none_shown.get().then(|| el("p").class("empty-page").say(app, Language::filter_empty))
                     })
             })
         })
-        .live_one(move || any.get().then(|| detail::detail(app)))
-        .live_one(move || any.get().then(|| tools::statistics(app)))
+        .live_one(move || any.get().then(|| detail(app, desk)))
+        .live_one(move || any.get().then(|| statistics(app, desk)))
 }

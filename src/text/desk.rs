@@ -20,12 +20,14 @@ texts! {
     read_as_log => "Read as a log with directions and times" | "按带方向和时间的日志读取";
     read_as_dump => "Read as a hex dump" | "按十六进制转储读取";
     read_as_words => "Read as a dump of 16-bit words" | "按 16 位字转储读取";
+    read_as_session => "Read as a saved session" | "按已保存的会话读取";
     instead_hex => "Hexadecimal instead" | "改为十六进制";
     instead_decimal => "Decimal instead" | "改为十进制";
     instead_ascii => "ASCII frames instead" | "改为 ASCII 报文";
     instead_log => "Log instead" | "改为日志";
     instead_dump => "Hex dump instead" | "改为十六进制转储";
     instead_words => "16-bit words instead" | "改为 16 位字";
+    instead_session => "A saved session instead" | "改为已保存的会话";
     faults_more(count: &str) => "and {count} more places" | "另有 {count} 处";
     too_large => "this number fits no byte" | "该数超出一个字节的范围";
     not_text => "this is not text: raw bytes or a binary file. What looks like text was read." | "这不是文本，而是原始字节或二进制文件。其中像文本的部分已读取。";

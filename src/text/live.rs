@@ -21,7 +21,10 @@ texts! {
     mode => "Mode" | "传输模式";
     unit => "Unit id" | "从机地址";
     period => "Period" | "读取周期";
-    period_is(rate: &str) => "{rate} readings per second" | "每秒读取 {rate} 次";
+    period_is(rate: &str) => "{rate} readings per second; 0 only listens" | "每秒读取 {rate} 次；填 0 则只监听";
+    listen_only => "Only listens: nothing is sent by itself." | "只监听，不会主动发送数据。";
+    polling_paused => "polling is paused" | "轮询已暂停";
+    a_replay => "a recording is played" | "正在回放记录";
     factory_default => "factory default" | "出厂默认";
     factory_default_is(value: &str) => "factory default: {value}" | "出厂默认：{value}";
     reset_to_defaults => "Factory settings" | "恢复出厂默认值";
@@ -32,7 +35,7 @@ texts! {
 
     invalid_baud => "A baud rate is a whole number from 50 to 4 000 000." | "波特率须为 50 到 4 000 000 之间的整数。";
     invalid_unit => "A unit id is a whole number from 0 to 255." | "从机地址须为 0 到 255 之间的整数。";
-    invalid_period => "A period is a whole number from 1 to 3 600 000 ms." | "读取周期须为 1 到 3 600 000 ms 之间的整数。";
+    invalid_period => "A period is a whole number from 0 to 3 600 000 ms." | "读取周期须为 0 到 3 600 000 ms 之间的整数。";
     unit_printed => "printed on the housing" | "印在外壳上";
     unit_broadcast => "0 is the broadcast address. Only one sensor may be connected: if there are several, all of them answer at once and the answers collide." | "0 是广播地址。总线上只能接一个传感器：如果接了多个，它们会同时应答，数据相互冲突。";
     unit_reserved => "Addresses above 247 are reserved by the Modbus standard. Most devices do not answer them." | "大于 247 的地址为 Modbus 标准的保留地址，多数设备不会应答。";

@@ -5,11 +5,13 @@
 
 mod anatomy;
 mod builder;
+mod console;
 mod decoder;
 mod desk;
 mod diagnosis;
 mod faults;
 mod live;
+mod sequence;
 mod shell;
 
 use serde::{Deserialize, Serialize};
@@ -89,9 +91,20 @@ mod tests {
     use super::*;
 
     fn all() -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
-        [shell::ALL, live::ALL, faults::ALL, decoder::ALL, anatomy::ALL, diagnosis::ALL, desk::ALL, builder::ALL]
-            .into_iter()
-            .flatten()
+        [
+            shell::ALL,
+            live::ALL,
+            faults::ALL,
+            decoder::ALL,
+            anatomy::ALL,
+            diagnosis::ALL,
+            desk::ALL,
+            builder::ALL,
+            console::ALL,
+            sequence::ALL,
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// The text without its `{arguments}`.

@@ -5,6 +5,7 @@ use super::texts;
 texts! {
     live => "Live" | "实时";
     decoder => "Decoder" | "解码";
+    console => "Console" | "控制台";
     pages => "Pages" | "页面";
     switch_language => "中文" | "English";
     switch_language_label => "Switch to Chinese" | "切换到英文";
@@ -19,12 +20,15 @@ texts! {
 
     no_port => "No port" | "未选串口";
     simulator => "Simulated sensor" | "模拟传感器";
+    replay_source => "Recording" | "回放记录";
+    only_reads => "read-only" | "只读";
     serial_port => "Serial port" | "串口";
     unit_id(unit: u8) => "unit {unit}" | "地址 {unit}";
     round_trip => "round trip" | "往返";
     state_closed => "Not connected" | "未连接";
     state_opening => "Opening port" | "正在打开串口";
     state_waiting => "Waiting for an answer" | "等待应答";
+    state_listening => "Listening" | "监听中";
     state_reading => "Reading" | "正在读取";
     state_failing => "Reading fails" | "读取异常";
     state_lost => "Adapter unplugged" | "适配器已拔出";

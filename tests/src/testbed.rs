@@ -2,13 +2,17 @@
 
 mod adapter;
 mod browser;
+mod chatter;
 mod independent;
+mod memory;
 mod pty;
 mod wire;
 
 pub use adapter::{Adapter, CH340};
 pub use browser::{Browser, Look};
+pub use chatter::Chatter;
 pub use independent::{Registers, Relay};
+pub use memory::Held;
 pub use pty::Pty;
 pub use wire::{FarEnd, Wire};
 

@@ -14,10 +14,10 @@ use crate::{serve, site};
 /// The first port that tests try.
 const PORT: u16 = 8470;
 
-/// Packages of Debian: the browser, its driver, simulated devices, and glyphs for Chinese texts.
-const PACKAGES: &[&str] = &["chromium", "chromium-driver", "umockdev", "fonts-noto-cjk"];
+/// Packages of Debian: the browser, its driver, simulated devices, glyphs for Chinese texts, and what reads captures.
+const PACKAGES: &[&str] = &["chromium", "chromium-driver", "umockdev", "fonts-noto-cjk", "tshark"];
 
-const PROGRAMS: &[&str] = &["chromium", "chromedriver", "umockdev-run"];
+const PROGRAMS: &[&str] = &["chromium", "chromedriver", "umockdev-run", "tshark"];
 
 const POLICY: &str = "/etc/chromium/policies/managed/buslens-tests.json";
 

@@ -124,7 +124,7 @@ fn files_of_the_list_hold_what_is_shown() {
     let mut desk = read(LOG, level());
     let export = |desk: &Desk, format| {
         let mut text = String::new();
-        desk.export(format, |part| text.push_str(part));
+        desk.export(format, |part| text.push_str(std::str::from_utf8(part).unwrap()));
         text
     };
     assert_eq!(export(&desk, Format::JsonLines).lines().count(), 8);
@@ -133,7 +133,10 @@ fn files_of_the_list_hold_what_is_shown() {
     while desk.work(100) {}
     assert_eq!(export(&desk, Format::Hex), "TX: 07 04 00 02 00 04 50 6F\nRX: 07 84 02 22 C0\n");
     let csv = export(&desk, Format::Csv);
-    assert_eq!(csv.lines().nth(2), Some("5,38,6,36002020000,frame,rtu,response,7,4,ok,4,07840222C0,exception"));
+    assert_eq!(
+        csv.lines().nth(2),
+        Some("5,38,6,36002020000,frame,rtu,response,7,4,ok,4,07840222C0,exception,,20000,20000,")
+    );
     assert!(export(&desk, Format::JsonLines).lines().all(|line| line.contains("\"unit\":7")));
 }
 

@@ -106,13 +106,14 @@ impl Expected<'_> {
 }
 
 /// Everything from a colon to the next line feed.
-fn ascii_lines(bytes: &[u8]) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn ascii_lines(bytes: &[u8]) -> impl Iterator<Item = Range<usize>> {
+    let mut from = 0;
     let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte & 0x7F == b'\n').map(|(end, _)| end);
-    ends.filter_map(|end| {
+    ends.filter_map(move |end| {
+        let line = from..end;
+        from = end + 1;
         // A colon always starts anew (serial line guide, clause 2.5.2.1).
-        let start = bytes[..end].iter().rposition(|byte| byte & 0x7F == b':')?;
-        let line = start..end + 1;
-        let whole = !bytes[start..end].iter().any(|byte| byte & 0x7F == b'\n');
-        whole.then_some(line)
+        let colon = bytes[line.clone()].iter().rposition(|byte| byte & 0x7F == b':')?;
+        Some(line.start + colon..end + 1)
     })
 }

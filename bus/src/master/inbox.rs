@@ -21,7 +21,12 @@ impl Inbox {
         }
         self.bytes.extend_from_slice(bytes);
         self.last_at = Some(now);
-        let excess = self.bytes.len().saturating_sub(CAPACITY);
+        self.keep(CAPACITY)
+    }
+
+    /// Lets all but the last `most` bytes fall out and says how many those were.
+    pub(super) fn keep(&mut self, most: usize) -> u64 {
+        let excess = self.bytes.len().saturating_sub(most);
         self.bytes.drain(..excess);
         excess as u64
     }

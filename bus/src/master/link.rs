@@ -58,6 +58,8 @@ pub(super) struct LinkControl {
     /// A port was plugged in while a try was under way.
     plugged_meanwhile: bool,
     settings: Option<LineSettings>,
+    /// Orders to open that the port has not answered yet: only the last answer counts.
+    unanswered: u32,
 }
 
 impl LinkControl {
@@ -69,6 +71,7 @@ impl LinkControl {
             retry_at: None,
             plugged_meanwhile: false,
             settings: None,
+            unanswered: 0,
         }
     }
 
@@ -84,7 +87,27 @@ impl LinkControl {
     pub(super) fn connect(&mut self, settings: LineSettings) {
         self.settings = Some(settings);
         self.state = LinkState::Opening;
+        self.order_open(settings);
+    }
+
+    /// Opens an open port again with other settings; any other will be opened with them.
+    pub(super) fn reopen(&mut self, settings: LineSettings) {
+        self.settings = Some(settings);
+        match self.state {
+            LinkState::Opening | LinkState::Open => self.connect(settings),
+            LinkState::Lost if self.retry_at.is_none() => self.order_open(settings),
+            LinkState::Lost | LinkState::Closed | LinkState::Closing => {}
+        }
+    }
+
+    fn order_open(&mut self, settings: LineSettings) {
+        self.unanswered += 1;
         self.orders.push_back(LinkOrder::Open(settings));
+    }
+
+    /// A replay has a link that nobody opened.
+    pub(super) fn pretend(&mut self, state: LinkState) {
+        self.state = state;
     }
 
     pub(super) fn disconnect(&mut self) {
@@ -95,6 +118,12 @@ impl LinkControl {
     }
 
     pub(super) fn handle(&mut self, now: Instant, event: LinkEvent, config: Config) {
+        if matches!(event, LinkEvent::Opened | LinkEvent::OpenFailed) {
+            self.unanswered = self.unanswered.saturating_sub(1);
+            if self.unanswered > 0 {
+                return;
+            }
+        }
         match (self.state, event) {
             (LinkState::Opening | LinkState::Lost, LinkEvent::Opened) => self.state = LinkState::Open,
             (LinkState::Opening, LinkEvent::OpenFailed | LinkEvent::Closed | LinkEvent::Lost)
@@ -121,7 +150,7 @@ impl LinkControl {
     pub(super) fn handle_timeout(&mut self, now: Instant, config: Config) {
         if self.state == LinkState::Lost && self.retry_at.is_some_and(|at| at <= now) {
             self.retry_at = None;
-            self.orders.push_back(LinkOrder::Open(self.settings.unwrap_or(config.line)));
+            self.order_open(self.settings.unwrap_or(config.line));
         }
     }
 

@@ -46,6 +46,10 @@ impl Overdue {
         self.requests.clear();
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.requests.is_empty()
+    }
+
     /// A unit answers in order: after a reply that is surely to a newer request, nothing older is to come from it.
     pub(super) fn forget_unit(&mut self, unit: UnitId) {
         self.requests.retain(|overdue| overdue.unit != unit);

@@ -24,12 +24,20 @@ pub(super) struct Schedule {
     next: usize,
     due: Instant,
     round_started: Instant,
+    /// A request of this poll was found in a recording, so that its unit is known.
+    recognised: bool,
 }
 
 impl Schedule {
-    /// `None` for a poll without requests.
+    /// `None` for a poll without requests or without time between two rounds.
     pub(super) fn new(now: Instant, poll: Poll) -> Option<Self> {
-        (!poll.requests.is_empty()).then_some(Self { poll, next: 0, due: now, round_started: now })
+        (!poll.requests.is_empty() && !poll.period.is_zero()).then_some(Self {
+            poll,
+            next: 0,
+            due: now,
+            round_started: now,
+            recognised: false,
+        })
     }
 
     pub(super) fn restart(&mut self, now: Instant) {
@@ -58,5 +66,17 @@ impl Schedule {
             self.due = if next_round < now { now } else { next_round };
         }
         (index, self.poll.requests[index].clone())
+    }
+
+    /// The place of a request that was made anyway, searched for from the one that is next. The first one tells whose
+    /// poll it is.
+    pub(super) fn recognise(&mut self, unit: UnitId, request: &Request) -> Option<usize> {
+        let count = self.poll.requests.len();
+        let mut places = (self.next..count).chain(0..self.next).filter(|_| !self.recognised || unit == self.poll.unit);
+        let index = places.find(|&at| self.poll.requests.get(at) == Some(request))?;
+        self.next = (index + 1) % count;
+        self.poll.unit = unit;
+        self.recognised = true;
+        Some(index)
     }
 }

@@ -11,18 +11,18 @@ use super::expect::Expected;
 use super::inbox::Inbox;
 use super::overdue::Overdue;
 use super::patience::Patience;
-use super::{Config, Origin};
+use super::{Asker, Config};
 use crate::outcome::{Answer, Counters, Exchange, Failure};
 use crate::time::Instant;
 
 /// USB adapters hold bytes back: a latency timer of 16 ms is common, and the system adds its own.
-const USB_SLACK: Duration = Duration::from_millis(50);
+pub(super) const USB_SLACK: Duration = Duration::from_millis(50);
 /// A broadcast write gives the devices time to carry it out (serial line guide, clause 2.4.1: 100 to 200 ms).
 const BROADCAST_TURNAROUND: Duration = Duration::from_millis(150);
 
 #[derive(Debug)]
 pub(super) struct Transaction {
-    pub(super) origin: Origin,
+    pub(super) asker: Asker,
     pub(super) unit: UnitId,
     pub(super) request: Request,
     /// The earliest moment at which the last character can have left.
@@ -58,25 +58,28 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Transaction {
-    /// A request that is handed to the port now.
+    /// A request that is handed to the port now. A `wait` that was asked for goes before the usual `time_out`.
     pub(super) fn new(
         now: Instant,
         config: Config,
-        time_out: Duration,
-        origin: Origin,
+        (wait, time_out): (Option<Duration>, Duration),
+        asker: Asker,
         unit: UnitId,
         request: Request,
         sent: Vec<u8>,
     ) -> Self {
         let on_wire_until = now + config.line.character_time(sent.len());
         let reply_len = Expected { mode: config.mode, unit, request: &request }.reply_len();
-        let deadline = if unit == UnitId::BROADCAST && request.is_write() {
-            on_wire_until + BROADCAST_TURNAROUND
-        } else {
-            on_wire_until + time_out + config.line.character_time(reply_len) + USB_SLACK
-        };
+        let silence = config.line.frame_gap().max(USB_SLACK);
+        let deadline = on_wire_until
+            + match wait {
+                // An echo that comes after its time could be taken for a reply to the next request.
+                Some(wait) => wait.max(silence),
+                None if unit == UnitId::BROADCAST && request.is_write() => BROADCAST_TURNAROUND,
+                None => time_out + config.line.character_time(reply_len) + USB_SLACK,
+            };
         Self {
-            origin,
+            asker,
             unit,
             request,
             on_wire_until,
@@ -89,7 +92,7 @@ impl Transaction {
             unproven: false,
             doubt_until: None,
             silence_seen: None,
-            silence: config.line.frame_gap().max(USB_SLACK),
+            silence,
         }
     }
 
@@ -139,13 +142,14 @@ impl Transaction {
 
     /// How this ends when the link is gone.
     pub(super) fn abandoned(&self, now: Instant) -> Exchange {
-        Exchange {
-            sent: self.sent.clone(),
-            received: Vec::new(),
-            at: now,
-            round_trip: None,
-            result: Err(Failure::LinkLost),
-        }
+        self.exchange(now, Vec::new(), None, Err(Failure::LinkLost))
+    }
+
+    /// How this ends when the recording goes on with another request.
+    pub(super) fn cut_short(&self, now: Instant, inbox: &mut Inbox) -> Exchange {
+        let heard = inbox.take();
+        let result = Err(Failure::NoAnswer { heard: heard.clone(), line_errors: self.line_errors });
+        self.exchange(now, heard, None, result)
     }
 
     /// Takes off what the adapter heard of ourselves, exactly the bytes that were sent and nothing else.
@@ -204,8 +208,9 @@ impl Transaction {
                 Response::Exception { function, code } => Err(Failure::Exception { function, code }),
                 response => Ok(Answer::Reply(response)),
             };
-            let round_trip = now.saturating_since(self.sent_at);
-            return Some(self.ended(now, frame, Some(round_trip), result));
+            // A reply whose length nobody knows is only seen in the silence after it.
+            let last = around.inbox.last_at().unwrap_or(now);
+            return Some(self.ended(now, frame, Some(last.saturating_since(self.sent_at)), result));
         }
     }
 
@@ -216,7 +221,17 @@ impl Transaction {
         round_trip: Option<Duration>,
         result: Result<Answer, Failure>,
     ) -> Progress {
-        Progress::Ended(Exchange { sent: self.sent.clone(), received, at: now, round_trip, result })
+        Progress::Ended(self.exchange(now, received, round_trip, result))
+    }
+
+    fn exchange(
+        &self,
+        now: Instant,
+        received: Vec<u8>,
+        round_trip: Option<Duration>,
+        result: Result<Answer, Failure>,
+    ) -> Exchange {
+        Exchange { sent: self.sent.clone(), received, sent_at: self.sent_at, at: now, round_trip, result }
     }
 
     fn last_moment(&self) -> Instant {

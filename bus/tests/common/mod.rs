@@ -5,9 +5,10 @@
 
 use std::time::Duration;
 
+use buslens_bus::record::{Note, Origin, What};
 use buslens_bus::sim::{Device, Line, Lvdt, Motion};
 use buslens_bus::time::Instant;
-use buslens_bus::{Answer, Config, Event, Exchange, Job, LinkEvent, LinkOrder, Master, Poll};
+use buslens_bus::{Answer, Config, Event, Exchange, Job, JobId, LinkEvent, LinkOrder, Master, Poll};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::pdu::{Request, Response};
@@ -22,6 +23,8 @@ pub struct Bench<D: Device = Lvdt> {
     pub line: Line<D>,
     pub now: Instant,
     pub events: Vec<Event>,
+    /// Everything that went over the host's port.
+    pub notes: Vec<Note>,
     /// The port does not open while this is set.
     pub unplugged: bool,
 }
@@ -49,6 +52,7 @@ impl<D: Device> Bench<D> {
             line: Line::new([device], 7),
             now: START,
             events: Vec::new(),
+            notes: Vec::new(),
             unplugged: false,
         };
         bench.master.connect(bench.now);
@@ -75,8 +79,19 @@ impl<D: Device> Bench<D> {
 
     /// Makes one request and returns how it ended, within ten seconds.
     pub fn ask(&mut self, unit: u8, request: Request) -> Exchange {
-        let id = self.master.submit(self.now, Job::new(UnitId(unit), request));
+        let id = self.submit(Job::new(UnitId(unit), request));
+        self.end_of(id)
+    }
+
+    /// Queues a job.
+    pub fn submit(&mut self, job: Job) -> JobId {
+        let id = self.master.submit(self.now, job);
         self.settle();
+        id
+    }
+
+    /// How a job ends, within ten seconds.
+    pub fn end_of(&mut self, id: JobId) -> Exchange {
         let limit = self.now + Duration::from_secs(10);
         loop {
             let done = self.events.iter().position(|event| matches!(event, Event::Done { job, .. } if *job == id));
@@ -99,13 +114,29 @@ impl<D: Device> Bench<D> {
             Event::Polled { exchange, .. } => Some(exchange),
             _ => None,
         };
-        self.events.drain(..).filter_map(polled).collect()
+        let (polls, others) = self.events.drain(..).partition(|event| matches!(event, Event::Polled { .. }));
+        self.events = others;
+        let polls: Vec<Event> = polls;
+        polls.into_iter().filter_map(polled).collect()
     }
 
     /// Bytes out of nowhere.
     pub fn hear(&mut self, bytes: &[u8]) {
         self.master.handle_bytes(self.now, bytes);
+        self.note(What::Received(bytes.to_vec()));
         self.settle();
+    }
+
+    fn note(&mut self, what: What) {
+        self.notes.push(Note { at_us: self.now.as_micros(), what });
+    }
+
+    /// What has left, with its time and who wanted it.
+    pub fn sent(&self) -> impl Iterator<Item = (u64, Origin, &[u8])> {
+        self.notes.iter().filter_map(|note| match &note.what {
+            What::Sent { origin, bytes } => Some((note.at_us, *origin, bytes.as_slice())),
+            _ => None,
+        })
     }
 
     /// To the next thing that happens, if it happens by `limit`.
@@ -116,6 +147,7 @@ impl<D: Device> Bench<D> {
         self.line.handle_timeout(self.now);
         if let Some(bytes) = self.line.poll_transmit() {
             self.master.handle_bytes(self.now, &bytes);
+            self.note(What::Received(bytes));
         }
         self.master.handle_timeout(self.now);
         self.settle();
@@ -134,8 +166,9 @@ impl<D: Device> Bench<D> {
                     LinkOrder::Close => LinkEvent::Closed,
                 };
                 self.master.handle_link(self.now, event);
-            } else if let Some(bytes) = self.master.poll_transmit() {
-                self.line.handle_bytes(self.now, &bytes);
+            } else if let Some(transmit) = self.master.poll_transmit() {
+                self.line.handle_bytes(self.now, &transmit.bytes);
+                self.note(What::Sent { origin: transmit.origin, bytes: transmit.bytes });
             } else if let Some(event) = self.master.poll_event() {
                 self.events.push(event);
             } else {

@@ -26,13 +26,16 @@ pub enum Form {
     HexDump,
     /// The same with 16-bit numbers of a little-endian machine instead of bytes, as `hexdump` prints without options.
     WordDump,
+    /// A session that was saved, with everything that its log told.
+    Session,
 }
 
 impl Form {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Hex, Self::Decimal, Self::AsciiFrames, Self::Log, Self::HexDump, Self::WordDump];
+    pub const ALL: [Self; 7] =
+        [Self::Hex, Self::Decimal, Self::AsciiFrames, Self::Log, Self::HexDump, Self::WordDump, Self::Session];
 
-    /// A name that does not change: `hex`, `decimal`, `ascii_frames`, `log`, `hex_dump`, `word_dump`.
+    /// A name that does not change: `hex`, `decimal`, `ascii_frames`, `log`, `hex_dump`, `word_dump`, `session`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hex => "hex",
@@ -41,6 +44,7 @@ impl Form {
             Self::Log => "log",
             Self::HexDump => "hex_dump",
             Self::WordDump => "word_dump",
+            Self::Session => "session",
         }
     }
 }
@@ -59,6 +63,9 @@ const SAMPLE_LEN: usize = 64 << 10;
 
 /// Tells how a text is best read, from its first 64 KiB. A text that holds nothing is hexadecimal.
 pub fn detect(sample: &str) -> Detection {
+    if crate::session::is_session(sample) {
+        return Detection { form: Form::Session, alternative: None };
+    }
     let mut sight = Sight::default();
     let mut room = Vec::new();
     for text in head(sample).split(['\n', '\r']) {

@@ -5,6 +5,7 @@
 //! heading of the lines of bare bytes below it.
 
 mod export;
+mod listing;
 mod mark;
 mod run;
 mod scan;
@@ -48,6 +49,9 @@ impl State {
         if let Some(export) = export::find(line.codes) {
             export.decode(line, output);
             output.close(start, line.number, export.direction, export.time_us);
+        } else if let Some(listed) = listing::find(line.codes) {
+            listed.decode(line, output);
+            output.close(start, line.number, listed.direction, listed.time_us);
         } else if let Some(row) = dump_row(line.codes) {
             row.decode(line, output);
             let Heading { direction, time_us } = self.heading.unwrap_or(Heading::NONE);
@@ -164,7 +168,7 @@ pub(super) fn framed(codes: &[u8]) -> Option<usize> {
 }
 
 pub(super) fn look(codes: &[u8]) -> Look {
-    if export::find(codes).is_some() {
+    if export::find(codes).is_some() || listing::find(codes).is_some() {
         return Look::Stamped;
     }
     let found = scan(codes);

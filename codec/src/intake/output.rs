@@ -8,12 +8,14 @@ use super::{IntakeError, IntakeFault, MAX_FAULTS, Portion};
 use crate::dissect::Direction;
 use crate::line::Mode;
 use crate::segment::Segment;
+use crate::session::Remark;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Output {
     pub(super) bytes: Vec<u8>,
     segments: Vec<Segment>,
     faults: Vec<IntakeError>,
+    remarks: Vec<Remark>,
     pub(super) fault_count: usize,
     /// Bytes of the stream that have been taken.
     taken: usize,
@@ -27,6 +29,19 @@ impl Output {
     /// No byte has come in the whole stream.
     pub(super) fn is_empty(&self) -> bool {
         self.taken == 0 && self.bytes.is_empty()
+    }
+
+    /// Bytes of the whole stream so far.
+    pub(super) fn stream_len(&self) -> usize {
+        self.taken.saturating_add(self.bytes.len())
+    }
+
+    pub(super) fn segment(&mut self, segment: Segment) {
+        self.segments.push(segment);
+    }
+
+    pub(super) fn remark(&mut self, remark: Remark) {
+        self.remarks.push(remark);
     }
 
     pub(super) fn fault(&mut self, line: &Line, column: usize, fault: IntakeFault) {
@@ -68,7 +83,7 @@ impl Output {
         self.open = ascii && bytes.last().is_some_and(|byte| byte & 0x7F != b'\n');
         let mode = if ascii { Mode::Ascii } else { Mode::Rtu };
         let (start, line) = (self.taken + start, u32::try_from(line).unwrap_or(u32::MAX));
-        self.segments.push(Segment { start, mode, direction, time_us, line });
+        self.segments.push(Segment { start, mode, direction, time_us, line, ..Segment::default() });
         mode
     }
 
@@ -78,6 +93,7 @@ impl Output {
             bytes: mem::take(&mut self.bytes),
             segments: mem::take(&mut self.segments),
             faults: mem::take(&mut self.faults),
+            remarks: mem::take(&mut self.remarks),
         }
     }
 }

@@ -205,7 +205,7 @@ fn what_is_taken_early_is_not_given_again() {
     reader.finish();
     let second = reader.take();
     assert_eq!(second.bytes, [1, 3, 2, 0, 7, 0xF9, 0x86]);
-    let expected = Segment { start: 8, mode: Mode::Rtu, direction: Direction::Response, time_us: None, line: 2 };
+    let expected = Segment { start: 8, direction: Direction::Response, line: 2, ..Segment::default() };
     assert_eq!(second.segments, [expected]);
     assert_eq!(reader.take(), Portion::default());
 }

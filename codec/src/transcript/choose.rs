@@ -11,13 +11,18 @@ impl Transcript {
     /// The profile that explains the frames best, judged by the first 10 000; the first one of equals. Damaged frames
     /// count where no others do. `None` if no profile explains any.
     pub fn most_explaining<'a>(&self, profiles: &'a [Profile]) -> Option<&'a Profile> {
-        self.best(profiles, true).or_else(|| self.best(profiles, false))
+        self.most_explaining_from(self.first(), profiles)
     }
 
-    fn best<'a>(&self, profiles: &'a [Profile], check_ok: bool) -> Option<&'a Profile> {
+    /// The same, judged by the frames from this entry on.
+    pub fn most_explaining_from<'a>(&self, first: usize, profiles: &'a [Profile]) -> Option<&'a Profile> {
+        self.best(first, profiles, true).or_else(|| self.best(first, profiles, false))
+    }
+
+    fn best<'a>(&self, first: usize, profiles: &'a [Profile], check_ok: bool) -> Option<&'a Profile> {
         let mut best: Option<(&Profile, u32)> = None;
         for profile in profiles {
-            let score = self.score(profile, check_ok);
+            let score = self.score(first, profile, check_ok);
             if score > best.map_or(0, |(_, most)| most) {
                 best = Some((profile, score));
             }
@@ -25,8 +30,8 @@ impl Transcript {
         best.map(|(profile, _)| profile)
     }
 
-    fn score(&self, profile: &Profile, check_ok: bool) -> u32 {
-        let wanted = self.entries.iter().enumerate();
+    fn score(&self, first: usize, profile: &Profile, check_ok: bool) -> u32 {
+        let wanted = (first..self.end()).filter_map(|index| Some((index, self.entry(index)?)));
         let wanted =
             wanted.filter(|(_, entry)| entry.kind == EntryKind::Frame && entry.check_ok == check_ok && !entry.echo);
         let mut sum = 0u32;

@@ -12,11 +12,11 @@ use crate::stream::{Found, MAX_NOISE_LEN, PieceKind, Splitter};
 pub(super) struct Run {
     pub(super) mode: Mode,
     pub(super) mark: Direction,
-    start: usize,
+    start: u64,
     splitter: Splitter,
     finished: bool,
     /// Noise that may go on.
-    noise: Option<Range<usize>>,
+    noise: Option<Range<u64>>,
     /// A frame that waits until the noise before it is given out.
     held: Option<Frame>,
 }
@@ -25,19 +25,19 @@ pub(super) struct Run {
 #[derive(Clone, Debug)]
 pub(super) struct Cut {
     /// Its place in the whole stream.
-    pub(super) range: Range<usize>,
+    pub(super) range: Range<u64>,
     pub(super) is_frame: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Frame {
-    range: Range<usize>,
+    range: Range<u64>,
     has_stray_zero: bool,
 }
 
 impl Run {
     /// A run that begins `start` bytes into the stream.
-    pub(super) fn new(mode: Mode, mark: Direction, start: usize) -> Self {
+    pub(super) fn new(mode: Mode, mark: Direction, start: u64) -> Self {
         Self { mode, mark, start, splitter: Splitter::new(mode), finished: false, noise: None, held: None }
     }
 
@@ -65,8 +65,8 @@ impl Run {
                 let range = self.noise.take_if(|_| self.finished)?;
                 return Some(Cut { range, is_frame: false });
             };
-            let start = self.start.saturating_add(usize::try_from(offset).ok()?);
-            let range = start..start.saturating_add(bytes.len());
+            let start = self.start.saturating_add(offset);
+            let range = start..start.saturating_add(bytes.len() as u64);
             let is_rtu = self.mode == Mode::Rtu;
             let by_chance = self.noise.is_some() && is_rtu && is_by_chance(bytes);
             if matches!(kind, PieceKind::Frame(_)) && !by_chance {
@@ -77,7 +77,7 @@ impl Run {
             }
             let start = self.noise.take().map_or(range.start, |noise| noise.start);
             let noise = start..range.end;
-            if noise.len() >= MAX_NOISE_LEN {
+            if noise.end.saturating_sub(noise.start) >= MAX_NOISE_LEN as u64 {
                 return Some(Cut { range: noise, is_frame: false });
             }
             self.noise = Some(noise);

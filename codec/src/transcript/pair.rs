@@ -7,8 +7,9 @@
 use alloc::borrow::Cow;
 use alloc::collections::VecDeque;
 
+use super::Entry;
 use super::recover::{Units, is_right};
-use super::{Entry, EntryKind};
+use super::store::Store;
 use crate::diagnose::shape::{self, HEAD_LEN};
 use crate::diagnose::{self, Surroundings};
 use crate::dissect::Direction;
@@ -55,9 +56,9 @@ impl<'a> View<'a> {
 }
 
 /// The frame before an entry, a little noise between them put aside.
-pub(super) fn frame_before(entries: &[Entry], index: usize) -> Option<usize> {
-    let earlier = entries.get(..index)?.iter().enumerate().rev().take(MOST_NOISE_BETWEEN + 1);
-    earlier.into_iter().find(|(_, entry)| entry.kind == EntryKind::Frame).map(|(at, _)| at)
+pub(super) fn frame_before(entries: &Store, index: usize) -> Option<usize> {
+    let earlier = (entries.first()..index.min(entries.end())).rev().take(MOST_NOISE_BETWEEN + 1);
+    earlier.into_iter().find(|at| entries.is_frame(*at))
 }
 
 /// A request that waits for its response.
@@ -105,8 +106,12 @@ enum Copies {
 
 impl Pairing {
     /// Unit id and the PDU's beginning of the request that the next frame may answer: the last frame before it.
-    pub(super) fn expected(&self, entries: &[Entry]) -> Option<&[u8]> {
-        let before = frame_before(entries, entries.len());
+    pub(super) fn expected(&self, entries: &Store) -> Option<&[u8]> {
+        self.expected_before(entries, entries.end())
+    }
+
+    fn expected_before(&self, entries: &Store, index: usize) -> Option<&[u8]> {
+        let before = frame_before(entries, index);
         self.open.back().filter(|open| Some(open.index) == before).map(Open::head)
     }
 
@@ -114,12 +119,10 @@ impl Pairing {
         &self.units
     }
 
-    /// Finds the last entry's direction and its other half.
-    pub(super) fn place(&mut self, entries: &mut [Entry], bytes: &[u8]) {
-        let Some(index) = entries.len().checked_sub(1) else { return };
-        let entry = entries[index];
-        let frame = bytes.get(entry.range()).unwrap_or_default();
-        let request = self.expected(entries.get(..index).unwrap_or_default());
+    /// Finds the direction and the other half of the last entry, given as it was put in, with its bytes.
+    pub(super) fn place(&mut self, entries: &mut Store, entry: &Entry, frame: &[u8]) {
+        let Some(index) = entries.end().checked_sub(1) else { return };
+        let request = self.expected_before(entries, index);
         let around = Surroundings { direction: entry.mark, request };
         let Some(View { unit, pdu }) = View::of(entry.mode, frame, around) else { return };
         if entry.check_ok {
@@ -127,79 +130,79 @@ impl Pairing {
         }
         let sides = shape::sides(&pdu);
         match (sides.request, sides.response) {
-            (true, false) => self.ask(entries, bytes, index, unit, &pdu),
-            (false, true) => self.answer(entries, bytes, index, unit, &pdu),
-            (true, true) => self.either(entries, bytes, index, unit, &pdu),
+            (true, false) => self.ask(entries, index, unit, &pdu),
+            (false, true) => self.answer(entries, index, unit, &pdu),
+            (true, true) => self.either(entries, index, unit, &pdu),
             (false, false) => self.misshapen(entries, index, unit, &pdu),
         }
     }
 
     /// A request by its shape or by the source.
-    fn ask(&mut self, entries: &mut [Entry], bytes: &[u8], index: usize, unit: u8, pdu: &[u8]) {
-        entries[index].direction = Direction::Request;
+    fn ask(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
+        entries.set_direction(index, Direction::Request);
         if let Some(before) = frame_before(entries, index)
-            && entries[before].is_unanswered()
-            && is_copy(entries, bytes, before, index)
+            && entries.at(before).is_unanswered()
+            && is_copy(entries, before, index)
         {
             // What was sent and then came in has been heard.
-            if (entries[before].mark, entries[index].mark) == (Direction::Request, Direction::Response) {
-                entries[index].echo = true;
+            if (entries.at(before).mark, entries.at(index).mark) == (Direction::Request, Direction::Response) {
+                entries.set_echo(index, true);
                 self.hears_itself = true;
                 return;
             }
-            entries[index].repeated = true;
+            entries.set_repeated(index, true);
         }
         self.open(index, unit, pdu);
     }
 
     /// A response by its shape or by the source.
-    fn answer(&mut self, entries: &mut [Entry], bytes: &[u8], index: usize, unit: u8, pdu: &[u8]) {
-        entries[index].direction = Direction::Response;
+    fn answer(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
+        entries.set_direction(index, Direction::Response);
         let Some(at) = self.open.iter().rposition(|open| open.fits(unit, pdu)) else {
-            self.answer_behind_echo(entries, bytes, index, pdu);
+            self.answer_behind_echo(entries, index, pdu);
             return;
         };
         let Some(asked) = self.open.remove(at) else { return };
         let mut request = asked.index;
-        if let Some(first) = self.first_of_echo(entries, bytes, request, index) {
+        if let Some(first) = self.first_of_echo(entries, request, index) {
             self.hears_itself = true;
             self.open.retain(|open| open.index != first);
-            entries[request].echo = true;
-            entries[request].repeated = false;
+            entries.set_echo(request, true);
+            entries.set_repeated(request, false);
             request = first;
         }
         join(entries, request, index);
     }
 
     /// A frame that goes either way: the answer to a write is the request again.
-    fn either(&mut self, entries: &mut [Entry], bytes: &[u8], index: usize, unit: u8, pdu: &[u8]) {
-        let copies = if shape::is_echoed(pdu) { copies(entries, bytes, index) } else { Copies::None };
-        match entries[index].mark {
-            Direction::Request => self.ask(entries, bytes, index, unit, pdu),
-            Direction::Response => self.answer(entries, bytes, index, unit, pdu),
+    fn either(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
+        let copies = if shape::is_echoed(pdu) { copies(entries, index) } else { Copies::None };
+        match entries.at(index).mark {
+            Direction::Request => self.ask(entries, index, unit, pdu),
+            Direction::Response => self.answer(entries, index, unit, pdu),
             Direction::Unknown => match copies {
-                Copies::Second => self.answer(entries, bytes, index, unit, pdu),
+                Copies::Second => self.answer(entries, index, unit, pdu),
                 Copies::Third { request, response } => {
                     take_for_echo(entries, request, response);
-                    entries[index].direction = Direction::Response;
+                    entries.set_direction(index, Direction::Response);
                     join(entries, request, index);
                 }
                 Copies::Fourth { request, echo, response } if !self.hears_itself => {
-                    entries[echo].echo = false;
-                    entries[echo].direction = Direction::Response;
+                    entries.set_echo(echo, false);
+                    entries.set_direction(echo, Direction::Response);
                     join(entries, request, echo);
-                    entries[response].direction = Direction::Request;
-                    entries[index].direction = Direction::Response;
+                    entries.set_direction(response, Direction::Request);
+                    entries.set_direction(index, Direction::Response);
                     join(entries, response, index);
                 }
-                Copies::Fourth { .. } => self.ask(entries, bytes, index, unit, pdu),
+                Copies::Fourth { .. } => self.ask(entries, index, unit, pdu),
                 Copies::None => {
                     let before = frame_before(entries, index);
                     let waits = self.open.back().filter(|open| Some(open.index) == before);
                     if waits.is_some_and(|open| open.fits(unit, pdu)) {
-                        self.answer(entries, bytes, index, unit, pdu);
+                        self.answer(entries, index, unit, pdu);
                     } else {
-                        self.ask(entries, bytes, index, unit, pdu);
+                        self.ask(entries, index, unit, pdu);
                     }
                 }
             },
@@ -207,7 +210,7 @@ impl Pairing {
     }
 
     /// A frame that is cut off or miscounted: the response to the request right before it, if it has its function.
-    fn misshapen(&mut self, entries: &mut [Entry], index: usize, unit: u8, pdu: &[u8]) {
+    fn misshapen(&mut self, entries: &mut Store, index: usize, unit: u8, pdu: &[u8]) {
         let before = frame_before(entries, index);
         let function = pdu.first().map(|function| function & 0x7F);
         let waits = self.open.back().is_some_and(|open| {
@@ -215,14 +218,14 @@ impl Pairing {
                 && open.head().get(1).copied() == function
                 && (open.head().first() == Some(&unit) || unit == 0)
         });
-        let entry = &mut entries[index];
+        let entry = entries.at(index);
         let is_response = pdu.first().is_some_and(|function| *function >= 0x80)
             || entry.mark == Direction::Response
             || (entry.mark == Direction::Unknown && waits);
         if !is_response {
             return;
         }
-        entry.direction = Direction::Response;
+        entries.set_direction(index, Direction::Response);
         if waits
             && !entry.check_ok
             && let Some(open) = self.open.pop_back()
@@ -243,34 +246,33 @@ impl Pairing {
     }
 
     /// The request of which `second` is the echo, now that `answer` is known to answer them.
-    fn first_of_echo(&self, entries: &[Entry], bytes: &[u8], second: usize, answer: usize) -> Option<usize> {
-        if frame_before(entries, answer) != Some(second) || entries[second].mark == Direction::Request {
+    fn first_of_echo(&self, entries: &Store, second: usize, answer: usize) -> Option<usize> {
+        if frame_before(entries, answer) != Some(second) || entries.at(second).mark == Direction::Request {
             return None;
         }
         let first = frame_before(entries, second)?;
-        if !entries[first].is_unanswered() || !is_copy(entries, bytes, first, second) {
+        if !entries.at(first).is_unanswered() || !is_copy(entries, first, second) {
             return None;
         }
-        if let (Some(sent), Some(heard)) = (entries[first].time_us, entries[second].time_us) {
+        if let (Some(sent), Some(heard)) = (entries.at(first).time_us, entries.at(second).time_us) {
             return (heard.wrapping_sub(sent) <= LONGEST_ECHO_DELAY_US).then_some(first);
         }
         // A third equal request says that nobody answered: then they are retries.
         let earlier = frame_before(entries, first);
         let is_retry =
-            earlier.is_some_and(|earlier| entries[earlier].is_unanswered() && is_copy(entries, bytes, earlier, first));
+            earlier.is_some_and(|earlier| entries.at(earlier).is_unanswered() && is_copy(entries, earlier, first));
         (self.hears_itself || !is_retry).then_some(first)
     }
 
     /// A response that no request waits for: what was taken for the answer before it may have been the echo.
-    fn answer_behind_echo(&mut self, entries: &mut [Entry], bytes: &[u8], index: usize, pdu: &[u8]) {
+    fn answer_behind_echo(&mut self, entries: &mut Store, index: usize, pdu: &[u8]) {
         let Some(before) = frame_before(entries, index) else { return };
-        let Some(request) = entries[before].pair.map(|pair| pair as usize) else { return };
-        let was_answered = entries[before].direction == Direction::Response
+        let Some(request) = entries.at(before).pair.map(|pair| pair as usize) else { return };
+        let was_answered = entries.at(before).direction == Direction::Response
             && frame_before(entries, before) == Some(request)
-            && is_copy(entries, bytes, request, before);
+            && is_copy(entries, request, before);
         let around = Surroundings { direction: Direction::Request, request: None };
-        let asked =
-            bytes.get(entries[request].range()).and_then(|frame| View::of(entries[request].mode, frame, around));
+        let asked = View::of(entries.at(request).mode, entries.bytes(request), around);
         if was_answered
             && let Some(View { pdu: asked, .. }) = asked
             && shape::accepts(asked.get(..HEAD_LEN).unwrap_or(&asked), pdu)
@@ -282,38 +284,39 @@ impl Pairing {
     }
 }
 
-fn take_for_echo(entries: &mut [Entry], request: usize, copy: usize) {
-    let entry = &mut entries[copy];
-    entry.echo = true;
-    entry.pair = None;
-    entry.direction = Direction::Request;
-    entries[request].pair = None;
+fn take_for_echo(entries: &mut Store, request: usize, copy: usize) {
+    entries.set_echo(copy, true);
+    entries.set_pair(copy, None);
+    entries.set_direction(copy, Direction::Request);
+    entries.set_pair(request, None);
 }
 
-fn join(entries: &mut [Entry], request: usize, response: usize) {
-    entries[request].pair = u32::try_from(response).ok();
-    entries[response].pair = u32::try_from(request).ok();
+fn join(entries: &mut Store, request: usize, response: usize) {
+    entries.set_pair(request, Some(response));
+    entries.set_pair(response, Some(request));
 }
 
-fn is_copy(entries: &[Entry], bytes: &[u8], first: usize, second: usize) -> bool {
-    entries[first].mode == entries[second].mode
-        && entries[second].check_ok
-        && bytes.get(entries[first].range()) == bytes.get(entries[second].range())
+fn is_copy(entries: &Store, first: usize, second: usize) -> bool {
+    let copy = entries.at(second);
+    copy.check_ok && entries.bytes(first) == entries.bytes(second) && entries.at(first).mode == copy.mode
 }
 
-fn copies(entries: &[Entry], bytes: &[u8], index: usize) -> Copies {
-    let Some(before) = frame_before(entries, index).filter(|before| is_copy(entries, bytes, *before, index)) else {
+fn copies(entries: &Store, index: usize) -> Copies {
+    let Some(before) = frame_before(entries, index).filter(|before| is_copy(entries, *before, index)) else {
         return Copies::None;
     };
-    if entries[before].is_unanswered() {
+    if entries.at(before).is_unanswered() {
         return Copies::Second;
     }
-    let request =
-        entries[before].pair.map(|pair| pair as usize).filter(|_| entries[before].direction == Direction::Response);
+    let request = entries
+        .at(before)
+        .pair
+        .map(|pair| pair as usize)
+        .filter(|_| entries.at(before).direction == Direction::Response);
     let (Some(request), Some(earlier)) = (request, frame_before(entries, before)) else { return Copies::None };
-    if earlier == request && is_copy(entries, bytes, request, before) {
+    if earlier == request && is_copy(entries, request, before) {
         Copies::Third { request, response: before }
-    } else if entries[earlier].echo && frame_before(entries, earlier) == Some(request) {
+    } else if entries.at(earlier).echo && frame_before(entries, earlier) == Some(request) {
         Copies::Fourth { request, echo: earlier, response: before }
     } else {
         Copies::None

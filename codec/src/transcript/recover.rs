@@ -255,7 +255,8 @@ fn mended(bytes: &[u8], known: &Known<'_>, by: impl FnMut(&Diagnosis) -> bool) -
     bytes.len() <= MAX_LEN && !repair::is_right(bytes) && rtu::specific(bytes, known.surroundings()).iter().any(by)
 }
 
-fn whole_or_noise(mode: Mode, stream: &[u8], range: Range<usize>, known: &Known<'_>) -> Found {
+/// A range that is one entry: a frame, if it is right or explained.
+pub(super) fn whole_or_noise(mode: Mode, stream: &[u8], range: Range<usize>, known: &Known<'_>) -> Found {
     let bytes = stream.get(range.clone()).unwrap_or_default();
     let is_frame =
         bytes.len() <= 2 * MAX_LEN && (is_right(mode, bytes) || !damage(mode, bytes, known.surroundings()).is_empty());

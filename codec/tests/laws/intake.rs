@@ -38,8 +38,8 @@ pub(super) fn any_text_is_taken(data: &[u8]) {
     }
     reader.finish();
     append(&mut parts, reader.take());
-    let Portion { bytes, segments, faults } = parts;
-    assert_eq!((bytes, segments, faults), (whole.bytes, whole.segments, whole.faults));
+    let Portion { bytes, segments, faults, remarks } = parts;
+    assert_eq!((bytes, segments, faults, remarks), (whole.bytes, whole.segments, whole.faults, whole.remarks));
     assert_eq!((reader.fault_count(), reader.form()), (whole.fault_count, form));
 }
 
@@ -51,8 +51,9 @@ fn cover(bytes: &[u8], segments: &[Segment]) {
     assert!(segments.iter().all(|segment| segment.line > 0));
 }
 
-fn append(all: &mut Portion, Portion { bytes, segments, faults }: Portion) {
+fn append(all: &mut Portion, Portion { bytes, segments, faults, remarks }: Portion) {
     all.bytes.extend(bytes);
     all.segments.extend(segments);
     all.faults.extend(faults);
+    all.remarks.extend(remarks);
 }

@@ -38,6 +38,7 @@ impl Script {
                         direction: direction(kind >> 4),
                         time_us: (kind & 0x40 == 0).then_some(time_us),
                         line: script.segments.last().map_or(1, |segment| segment.line) + u32::from(place & 1),
+                        ..Segment::default()
                     });
                     continue;
                 }

@@ -6,7 +6,7 @@ use crate::reactive::prelude::*;
 
 use super::copy_button;
 use super::words::bytes_fault;
-use crate::analyst;
+use crate::analyst::Analyst;
 use crate::builder::point;
 use crate::components::field::entry;
 use crate::components::icon::{Icon, icon};
@@ -21,7 +21,7 @@ pub(super) fn calculator_card(app: &'static Workbench) -> El {
     const ID: &str = "calculator-input";
     let typed = kept("calculator", "");
     app.start_analyst();
-    react(move || analyst::send(&ToAnalyst::Sums(typed.get())));
+    react(move || Analyst::Decoder.send(&ToAnalyst::Sums(typed.get())));
     let area = entry("textarea", ID, typed, move || app.sums.with(|summed| matches!(summed, Some((_, Err(_))))))
         .attr("rows", "3")
         .live_attr("placeholder", move || Some(app.language.get().calculator_placeholder().to_owned()));

@@ -21,7 +21,7 @@ use crate::components::icon::{Icon, icon};
 use crate::components::shell::mode_name;
 use crate::dom::{El, el};
 use crate::format::{hex, hex_spaced, milliseconds};
-use crate::route::decoder_link;
+use crate::route::{console_link, decoder_link};
 use crate::settings::BAUDS;
 use crate::text::Language;
 use crate::workbench::Workbench;
@@ -136,12 +136,22 @@ fn half(language: Language, form: Form, frames: &Frames, mode: Mode) -> El {
         .attr("href", &decoder_link(&[frame]))
         .child(el("span").text(language.take_apart()))
         .child(icon(Icon::Go));
+    let to_console = el("a")
+        .class("button quiet small")
+        .test(match mode {
+            Mode::Rtu => "to-console-rtu",
+            Mode::Ascii => "to-console-ascii",
+        })
+        .attr("href", &console_link(frame))
+        .child(icon(Icon::Console))
+        .child(el("span").text(language.to_console()));
     let facts = el("p")
         .class("facts")
         .child(el("b").text(mode_name(mode)))
         .child(el("span").text(&length(language, line, mode, frame.len())))
         .children(frames.reply(language, line, mode).map(|reply| el("span").class("muted").test("reply").text(&reply)))
         .child(el("span").class("space"))
+        .child(to_console)
         .child(open);
     el("div")
         .class("built-half")

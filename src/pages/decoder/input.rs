@@ -1,23 +1,18 @@
 //! The text: typed, pasted, dropped, from a file. What is too long for a field is read beside it.
 
-use buslens_codec::intake::{Form, IntakeError, IntakeFault};
 use js_sys::JsString;
 use wasm_bindgen::prelude::*;
 use web_sys::{DragEvent, Event, HtmlInputElement};
 
-use super::desk::{Desk, Document, LONGEST_TYPED};
-use crate::analyst;
+use super::desk::{Decoder, Document, LONGEST_TYPED};
 use crate::components::button::{button, icon_button};
+use crate::components::desk::reading::understood;
 use crate::components::icon::{Icon, icon};
 use crate::dom::{El, el};
 use crate::format;
 use crate::reactive::prelude::*;
 use crate::text::{Label, Language};
 use crate::workbench::Workbench;
-use buslens_analyst::message::ToAnalyst;
-
-/// Places that could not be read that are shown.
-const FAULTS: usize = 3;
 
 /// Texts to begin with: name for the tests, label, text. A reply stands behind its request, which alone tells its registers.
 const EXAMPLES: [(&str, Label, &str); 4] = [
@@ -50,7 +45,7 @@ pub(super) fn input_card(app: &'static Workbench) -> El {
         .test("decoder-drop")
         .child(header)
         .live_one(move || Some(if long.get() { document(app) } else { field(app) }))
-        .child(understood(app))
+        .child(understood(app, &desk.desk, desk.unreadable, move |form| desk.read_as(form)))
         .child(footer)
         .on("dragover", |event| event.prevent_default())
         .on("drop", move |event| dropped(desk, &event))
@@ -77,7 +72,7 @@ fn field(app: &'static Workbench) -> El {
 }
 
 /// A text that is too long for the field pastes beside it: laying it out would hold up the page for seconds.
-fn pasted(desk: &Desk, event: &Event) {
+fn pasted(desk: &Decoder, event: &Event) {
     let Some(text) = event.unchecked_ref::<Transfer>().clipboard().map(|clipboard| clipboard.text("text")) else {
         return;
     };
@@ -88,7 +83,7 @@ fn pasted(desk: &Desk, event: &Event) {
 }
 
 /// Whatever else brings a long text into the field.
-fn typed_long(desk: &Desk, event: &Event) {
+fn typed_long(desk: &Decoder, event: &Event) {
     let Some(field) = event.target() else { return };
     let Ok(text) = field.unchecked_into::<Field>().value().dyn_into::<JsString>() else { return };
     if text.length() > LONGEST_TYPED {
@@ -97,7 +92,7 @@ fn typed_long(desk: &Desk, event: &Event) {
     }
 }
 
-fn dropped(desk: &Desk, event: &Event) {
+fn dropped(desk: &Decoder, event: &Event) {
     event.prevent_default();
     let Some(transfer) = event.unchecked_ref::<DragEvent>().data_transfer() else { return };
     if let Some(file) = transfer.files().and_then(|files| files.get(0)) {
@@ -172,113 +167,6 @@ fn description(language: Language, document: &Document) -> String {
         None if document.size == 0 => language.pasted_text().to_owned(),
         None => [language.pasted_text(), language.list_comma(), &language.size_characters(&size)].concat(),
     }
-}
-
-/// How far reading is, how the text was read, and where it could not be.
-fn understood(app: &'static Workbench) -> El {
-    let desk = &app.decoder;
-    let busy = Memo::new(move |_| desk.progress.with(|progress| !progress.finished && progress.total > 0));
-    let percent = Memo::new(move |_| desk.progress.with(|progress| percent(progress.done, progress.total)));
-    let cancelled = Memo::new(move |_| desk.progress.with(|progress| progress.cancelled));
-    let forms =
-        Memo::new(move |_| desk.progress.with(|progress| (progress.form, progress.alternative, progress.entries > 0)));
-    let faults = Memo::new(move |_| {
-        desk.progress.with(|progress| {
-            let first: Vec<IntakeError> = progress.faults.iter().take(FAULTS).copied().collect();
-            (first, progress.fault_count)
-        })
-    });
-    el("div")
-        .class("understood")
-        .live_one(move || busy.get().then(|| progress_bar(app, percent)))
-        .live_one(move || cancelled.get().then(|| note(&app.language.get().stopped_at(percent.get()))))
-        .live_one(move || {
-            desk.unreadable
-                .with(|words| words.as_ref().map(|words| fault_line(&app.language.get().unreadable_file(words))))
-        })
-        .live_one(move || match forms.get() {
-            (Some(form), alternative, true) => Some(form_line(app, form, alternative)),
-            _ => None,
-        })
-        .live(move || faults.with(|(first, count)| fault_lines(app.language.get(), first, *count)))
-}
-
-fn progress_bar(app: &'static Workbench, percent: Memo<u32>) -> El {
-    let bar = el("progress").attr("max", "100").live_attr("value", move || Some(percent.get().to_string()));
-    el("div")
-        .class("progress")
-        .test("decoder-progress")
-        .attr("role", "status")
-        .child(bar)
-        .child(el("span").class("muted").live_text(move || app.language.get().reading_text(percent.get())))
-        .child(button(app, "small", "stop-reading", Language::stop).click(|| analyst::send(&ToAnalyst::Cancel)))
-}
-
-fn form_line(app: &'static Workbench, form: Form, alternative: Option<Form>) -> El {
-    let desk = &app.decoder;
-    let mut line = el("p").class("form-line muted").test("decoder-form").child(el("span").say(app, form_text(form)));
-    if let Some(other) = alternative {
-        line = line
-            .child(button(app, "quiet small", "read-as-other", instead_text(other)).click(move || desk.read_as(other)));
-    }
-    line
-}
-
-fn form_text(form: Form) -> Label {
-    match form {
-        Form::Hex => Language::read_as_hex,
-        Form::Decimal => Language::read_as_decimal,
-        Form::AsciiFrames => Language::read_as_ascii,
-        Form::Log => Language::read_as_log,
-        Form::HexDump => Language::read_as_dump,
-        Form::WordDump => Language::read_as_words,
-    }
-}
-
-fn instead_text(form: Form) -> Label {
-    match form {
-        Form::Hex => Language::instead_hex,
-        Form::Decimal => Language::instead_decimal,
-        Form::AsciiFrames => Language::instead_ascii,
-        Form::Log => Language::instead_log,
-        Form::HexDump => Language::instead_dump,
-        Form::WordDump => Language::instead_words,
-    }
-}
-
-fn fault_lines(language: Language, first: &[IntakeError], count: u64) -> Vec<El> {
-    let mut lines: Vec<El> = first.iter().map(|fault| fault_line(&fault_text(language, *fault))).collect();
-    let more = count.saturating_sub(first.len() as u64);
-    if more > 0 {
-        lines.push(note(&language.faults_more(&format::count(more))));
-    }
-    lines
-}
-
-fn fault_line(text: &str) -> El {
-    let line = el("p").class("parse-error").attr("role", "alert").test("decoder-error");
-    line.child(icon(Icon::Fault)).child(el("span").text(text))
-}
-
-fn note(text: &str) -> El {
-    el("p").class("form-line muted").text(text)
-}
-
-fn fault_text(language: Language, error: IntakeError) -> String {
-    let what = match error.fault {
-        IntakeFault::Unexpected(character) => language.unexpected_character(character),
-        IntakeFault::OddDigits => language.odd_digits().to_owned(),
-        IntakeFault::TooLarge => language.too_large().to_owned(),
-        IntakeFault::NotText => language.not_text().to_owned(),
-        IntakeFault::RepeatTooLong => language.repeat_too_long().to_owned(),
-        IntakeFault::NoBytes => language.no_bytes().to_owned(),
-    };
-    language.parse_error_at(error.line, error.column, &what)
-}
-
-fn percent(done: u64, total: u64) -> u32 {
-    let percent = done.saturating_mul(100).checked_div(total).unwrap_or(100);
-    u32::try_from(percent).unwrap_or(100)
 }
 
 #[wasm_bindgen]

@@ -268,6 +268,7 @@ fn period_field(app: &'static App) -> El {
         let least = settings.device().least_period_ms();
         Some(match settings.period_ms() {
             None => Note::Wrong(language.invalid_period().to_owned()),
+            Some(0) => Note::Hint(language.listen_only().to_owned()),
             Some(period) if period < least => Note::Warning(language.period_short(least)),
             Some(period) => Note::Hint(language.period_is(&format::rate(1000.0 / f64::from(period)))),
         })

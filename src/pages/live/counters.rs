@@ -26,7 +26,7 @@ pub(super) fn counts(app: &'static App) -> El {
     let phase = el("span")
         .class("tag")
         .live_attr("data-state", || Some(app.phase.get().name().to_owned()))
-        .live_text(|| app.phase.get().title(app.language.get()).to_owned());
+        .live_text(|| app.phase_title());
     let header =
         el("header").child(el("h2").say(app, Language::connection)).child(el("span").class("space")).child(phase);
     let counted = ROWS.iter().enumerate().map(|(at, &(label, test, count))| {
@@ -49,6 +49,7 @@ pub(super) fn counts(app: &'static App) -> El {
 /// `10 / 9.8 Hz`; a dash for a rate that is not known now.
 fn rate_text(app: &'static App) -> String {
     let wanted = app.connection.with(|used| used.as_ref().map(|used| 1000.0 / f64::from(used.period_ms.max(1))));
+    let wanted = wanted.filter(|_| app.polling.get());
     let reading = app.phase.get() == Phase::Reading;
     let got = app.status.with(|status| status.rate_hz).filter(|_| reading).map(f64::from);
     let text = |rate: Option<f64>| rate.map_or_else(|| "\u{2013}".to_owned(), format::rate);

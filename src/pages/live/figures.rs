@@ -24,6 +24,15 @@ pub(super) fn figures(app: &'static App) -> El {
             let unit = app.connection.with(|used| used.as_ref().map(|used| used.unit.0));
             unit.map(|unit| app.language.get().unit_id(unit)).unwrap_or_default()
         }))
+        .child(el("span").class("muted").test("live-note").live_text(move || {
+            let language = app.language.get();
+            match (app.is_replay(), app.polling.get()) {
+                (true, _) => language.a_replay(),
+                (false, false) => language.polling_paused(),
+                _ => "",
+            }
+            .to_owned()
+        }))
         .child(el("span").class("space"))
         .child(reset);
     let all = device.measurements().into_iter().map(|point| figure(app, point));

@@ -23,18 +23,39 @@ use faults::Facts;
 /// The page.
 pub(crate) fn live_page(app: &'static App) -> El {
     let fault = Memo::new(move |_| fault(app));
-    // An attempt that fails stays on the card; a port that was lost and is opened again stays on the readings.
-    let session = Memo::new(move |before: Option<&bool>| match app.phase.get() {
-        Phase::Closed | Phase::Failed => false,
-        Phase::Opening => before.copied().unwrap_or(false),
-        Phase::Waiting | Phase::Reading | Phase::Failing | Phase::Lost | Phase::Closing => true,
-    });
+    let session = session(app);
     el("div")
         .class("page live")
         .test("page-live")
         .child(el("h1").class("visually-hidden").say(app, Language::live))
         .live_one(move || fault.with(|fault| fault.as_ref().map(|fault| fault_panel(app, fault))))
         .live_one(move || Some(if session.get() { session_view(app) } else { connect::connect(app) }))
+}
+
+/// Whether a port is open. An attempt that fails stays on the card; a port that was lost and is opened again stays on the
+/// readings.
+fn session(app: &'static App) -> Memo<bool> {
+    Memo::new(move |before: Option<&bool>| match app.phase.get() {
+        Phase::Closed | Phase::Failed => false,
+        Phase::Opening => before.copied().unwrap_or(false),
+        Phase::Waiting | Phase::Reading | Phase::Failing | Phase::Lost | Phase::Closing => true,
+    })
+}
+
+/// What stands above a page that needs a port, while there is none: why, and the card that opens one.
+pub(crate) fn connect_above(app: &'static App) -> El {
+    let fault = Memo::new(move |_| fault(app));
+    let session = session(app);
+    el("div").class("contents").live_one(move || {
+        (!session.get()).then(|| {
+            el("details")
+                .class("connect-above")
+                .attr("open", "")
+                .child(el("summary").say(app, Language::state_closed))
+                .live_one(move || fault.with(|fault| fault.as_ref().map(|fault| fault_panel(app, fault))))
+                .child(connect::connect(app))
+        })
+    })
 }
 
 fn session_view(app: &'static App) -> El {

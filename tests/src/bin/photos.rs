@@ -6,8 +6,8 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, DecoderPage, LivePage, State};
-use buslens_tests::testbed::{Bench, Look};
+use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, State};
+use buslens_tests::testbed::{Bench, Browser, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
 const WIDTHS: [(u32, u32); 3] = [(1440, 900), (1024, 768), (390, 844)];
@@ -18,6 +18,14 @@ enum Scene {
     LiveEmpty,
     LiveReading,
     LiveFault,
+    ConsoleEmpty,
+    ConsoleLog,
+    ConsoleSnippets,
+    ConsoleFault,
+    ConsoleKeys,
+    ConsoleBuild,
+    ConsoleSequence,
+    ConsoleBrought,
     DecoderEmpty,
     DecoderFrames,
     DecoderDamaged,
@@ -29,10 +37,18 @@ enum Scene {
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 11] = [
+const SCENES: [(&str, Scene); 19] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
+    ("console-empty", Scene::ConsoleEmpty),
+    ("console-log", Scene::ConsoleLog),
+    ("console-snippets", Scene::ConsoleSnippets),
+    ("console-fault", Scene::ConsoleFault),
+    ("console-keys", Scene::ConsoleKeys),
+    ("console-build", Scene::ConsoleBuild),
+    ("console-sequence", Scene::ConsoleSequence),
+    ("console-brought", Scene::ConsoleBrought),
     ("decoder-empty", Scene::DecoderEmpty),
     ("decoder-frames", Scene::DecoderFrames),
     ("decoder-damaged", Scene::DecoderDamaged),
@@ -90,6 +106,14 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.connect().await;
             page.fault("silence").await;
         }
+        Scene::ConsoleEmpty
+        | Scene::ConsoleLog
+        | Scene::ConsoleSnippets
+        | Scene::ConsoleFault
+        | Scene::ConsoleKeys
+        | Scene::ConsoleBuild
+        | Scene::ConsoleSequence
+        | Scene::ConsoleBrought => set_console(browser, site, scene).await,
         Scene::DecoderEmpty => {
             browser.click("disconnect").await;
             DecoderPage::open_at(browser, site).await;
@@ -139,6 +163,69 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.break_the_worker().await;
             browser.wait_for("document.querySelector('[data-test=crash]')").await;
         }
+    }
+}
+
+/// Brings the Console page into a scene.
+async fn set_console(browser: &Browser, site: &str, scene: Scene) {
+    match scene {
+        Scene::ConsoleEmpty => {
+            browser.click("disconnect").await;
+            ConsolePage::open_at(browser, site).await.wait_for_line("closed").await;
+        }
+        Scene::ConsoleLog => {
+            let page = ConsolePage::open_at(browser, site).await;
+            browser.click("demo").await;
+            page.wait_for_count_at_least(60).await;
+            page.send("01 03 00 31 00 01").await;
+            page.result("answered").await;
+            browser.click("follow").await;
+            page.choose_row(3).await;
+            page.comment("nudged by hand").await;
+        }
+        Scene::ConsoleSnippets => {
+            let page = ConsolePage::open_at(browser, site).await;
+            page.open_pane("snippets").await;
+            browser.fill("snippet-name", "Baud rate").await;
+            browser.fill("snippet-folder", "Bench 3").await;
+            browser.click("snippet-save").await;
+            page.set_check("wrong").await;
+            page.repeat(200, 3).await;
+        }
+        Scene::ConsoleFault => {
+            let page = ConsolePage::open_at(browser, site).await;
+            browser.click("repeat").await;
+            page.set_check("crc").await;
+            page.open_pane("counts").await;
+            page.type_line("01 03 00 31 00 0").await;
+            page.set_line("baud", "19200").await;
+        }
+        Scene::ConsoleKeys => {
+            browser.click("keys").await;
+            browser.wait_for("document.querySelector('[data-test=keys-sheet]')").await;
+        }
+        Scene::ConsoleBuild => {
+            browser.click("keys-close").await;
+            browser.click("build").await;
+            browser.wait_for("document.querySelector('[data-test=builder-dialog]')").await;
+        }
+        Scene::ConsoleSequence => {
+            browser.click("builder-close").await;
+            let page = ConsolePage { browser };
+            page.open_sequences().await;
+            page.choose_ready_made(0).await;
+            page.wait_for_right_sequence().await;
+            page.run_sequence().await;
+            page.wait_for_verdict("passed").await;
+        }
+        Scene::ConsoleBrought => {
+            let page = ConsolePage { browser };
+            page.open_pane("frame").await;
+            page.drop_file("bench.log", FRAMES).await;
+            page.wait_for_count("8").await;
+            page.choose_row(5).await;
+        }
+        _ => {}
     }
 }
 

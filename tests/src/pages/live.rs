@@ -70,6 +70,11 @@ impl<'a> LivePage<'a> {
         self.browser.fill("unit", &unit.to_string()).await;
     }
 
+    /// Types the wanted time between two readings, in milliseconds.
+    pub async fn set_period(&self, period_ms: u32) {
+        self.browser.fill("period", &period_ms.to_string()).await;
+    }
+
     /// Connects to the adapter, which the browser may use without asking.
     pub async fn connect(&self) {
         self.browser.wait_for("document.querySelector('[data-test=port]')?.value").await;

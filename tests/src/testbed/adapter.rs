@@ -88,6 +88,10 @@ impl Adapter {
         self.driver_port
     }
 
+    pub(super) fn process_id(&self) -> u32 {
+        self.process.id()
+    }
+
     /// Plugs the adapter in; `device` is the pty that it leads to.
     pub fn plug(&self, device: &Path) {
         self.lead_to(device);

@@ -1,6 +1,7 @@
 //! A headless Chromium with a profile of its own.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::time::Duration;
 
 use fantoccini::wd::{Capabilities, WebDriverCompatibleCommand};
@@ -34,7 +35,7 @@ impl Default for Look {
 /// A browser session; the browser ends with its adapter.
 pub struct Browser {
     client: Client,
-    _profile: tempfile::TempDir,
+    profile: tempfile::TempDir,
 }
 
 impl Browser {
@@ -70,9 +71,14 @@ impl Browser {
         let capabilities: Capabilities = capabilities;
         let driver = format!("http://localhost:{}", adapter.driver_port());
         let client = ClientBuilder::new(hyper_connector()).capabilities(capabilities).connect(&driver).await;
-        let browser = Self { client: client.expect("Chromium starts (package chromium)"), _profile: profile };
+        let browser = Self { client: client.expect("Chromium starts (package chromium)"), profile };
         browser.look(look).await;
         browser
+    }
+
+    /// The folder with all that the browser keeps.
+    pub(super) fn profile(&self) -> &Path {
+        self.profile.path()
     }
 
     /// Changes width and colour scheme. The language stays that of the start.

@@ -1,6 +1,6 @@
 //! Real time for a sans-io line: a thread that carries bytes between the pty and what answers at its far end.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,14 @@ use buslens_bus::sim::{Device, Line};
 use buslens_bus::time::Instant;
 use buslens_codec::line::LineSettings;
 use nix::errno::Errno;
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
 
 use super::pty::Pty;
+
+/// Time until a pty that was full is tried again.
+const LOOK_AGAIN: Duration = Duration::from_millis(5);
 
 /// What is at the other end of the wire; sans-io like everything below the page.
 pub trait FarEnd: Send + 'static {
@@ -27,7 +31,7 @@ pub trait FarEnd: Send + 'static {
     fn handle_timeout(&mut self, now: Instant);
     /// When time matters next.
     fn poll_timeout(&self) -> Option<Instant>;
-    /// Bytes that reach the browser now.
+    /// Bytes that reach the browser now. Not asked for while the browser has not taken what came before.
     fn poll_transmit(&mut self) -> Option<Vec<u8>>;
 }
 
@@ -75,6 +79,10 @@ struct State<F> {
     sent: Vec<u8>,
     /// Bytes to reach the browser out of nowhere.
     injected: Vec<u8>,
+    /// Bytes that the browser has had no room for yet.
+    unsent: Vec<u8>,
+    /// Everything that has reached the browser, from when it was asked for.
+    delivered: Option<Vec<u8>>,
 }
 
 impl<F> Shared<F> {
@@ -92,9 +100,18 @@ impl<F: FarEnd> Wire<F> {
     /// A new wire.
     pub fn new(far_end: F) -> Self {
         let pty = Pty::open();
+        // Who talks faster than the browser listens waits; the wire itself never does.
+        fcntl(&pty.master, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).expect("a descriptor takes flags");
         let device = pty.device().to_owned();
-        let state =
-            State { far_end: Some(far_end), stopping: false, settings: None, sent: Vec::new(), injected: Vec::new() };
+        let state = State {
+            far_end: Some(far_end),
+            stopping: false,
+            settings: None,
+            sent: Vec::new(),
+            injected: Vec::new(),
+            unsent: Vec::new(),
+            delivered: None,
+        };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), origin: Clock::now() });
         let (waker, bell) = UnixStream::pair().expect("a socket pair");
         waker.set_nonblocking(true).expect("a socket");
@@ -154,6 +171,16 @@ impl<F: FarEnd> Wire<F> {
         self.shared.lock().sent.clone()
     }
 
+    /// From now on keeps what reaches the browser.
+    pub fn keep_delivered(&self) {
+        self.shared.lock().delivered = Some(Vec::new());
+    }
+
+    /// Everything that has reached the browser since [`Self::keep_delivered`].
+    pub fn delivered(&self) -> Vec<u8> {
+        self.shared.lock().delivered.clone().unwrap_or_default()
+    }
+
     /// Waits until what the browser has sent since byte `from` fulfils `wanted`.
     pub fn wait_for_sent(&self, from: usize, limit: Duration, wanted: impl Fn(&[u8]) -> bool) {
         let locked = self.shared.lock();
@@ -200,7 +227,10 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
             let now = shared.now();
             advance(&mut state, pty, now);
             let due = state.far_end.as_ref().and_then(FarEnd::poll_timeout);
-            due.map(|due| due.saturating_since(shared.now()))
+            let due = due.map(|due| due.saturating_since(shared.now()));
+            // A pty does not tell when there is room again.
+            let look_again = (!state.unsent.is_empty()).then_some(LOOK_AGAIN);
+            due.into_iter().chain(look_again).min()
         };
         let mut ready =
             [PollFd::new(pty.master.as_fd(), PollFlags::POLLIN), PollFd::new(bell.as_fd(), PollFlags::POLLIN)];
@@ -229,13 +259,26 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
 
 fn advance<F: FarEnd>(state: &mut State<F>, pty: &Pty, now: Instant) {
     notice_settings(state, pty, now);
-    let mut bytes = std::mem::take(&mut state.injected);
+    state.unsent.append(&mut state.injected);
     if let Some(far_end) = &mut state.far_end {
         far_end.handle_timeout(now);
-        bytes.extend(std::iter::from_fn(|| far_end.poll_transmit()).flatten());
+        if state.unsent.is_empty() {
+            state.unsent.extend(std::iter::from_fn(|| far_end.poll_transmit()).flatten());
+        }
     }
-    // With nobody at the other end the bytes are lost, as on a line.
-    let _ = (&pty.master).write_all(&bytes);
+    if !state.unsent.is_empty() {
+        match (&pty.master).write(&state.unsent) {
+            Ok(count) => {
+                let written = state.unsent.drain(..count);
+                if let Some(delivered) = &mut state.delivered {
+                    delivered.extend(written);
+                }
+            }
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+            // With nobody at the other end the bytes are lost, as on a line.
+            Err(_) => state.unsent.clear(),
+        }
+    }
 }
 
 fn notice_settings<F: FarEnd>(state: &mut State<F>, pty: &Pty, now: Instant) {

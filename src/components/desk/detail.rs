@@ -3,8 +3,7 @@
 use buslens_analyst::message::{Look, Row, ToAnalyst};
 use buslens_codec::dissect::Direction;
 
-use super::frames::Opened;
-use crate::analyst;
+use super::{Desk, NOTHING, Opened};
 use crate::anatomy::Anatomy;
 use crate::clipboard;
 use crate::components::button::{button, menu};
@@ -20,24 +19,24 @@ use crate::text::{Label, Language};
 use crate::workbench::Workbench;
 
 /// The card of the chosen row, if there is one.
-pub(super) fn detail(app: &'static Workbench) -> El {
-    let desk = &app.decoder;
+pub(crate) fn detail(app: &'static Workbench, desk: &'static Desk) -> El {
     let row = Memo::new(move |_| {
         desk.turn.track();
         let shown = desk.progress.with(|progress| progress.shown);
-        desk.row(desk.chosen.get().min(shown.checked_sub(1)?))
+        let chosen = Some(desk.chosen.get()).filter(|chosen| *chosen != NOTHING)?;
+        desk.row(chosen.min(shown.checked_sub(1)?))
     });
     crate::dom::react(move || {
         if let Some(index) = row.with(|row| row.as_ref().map(|row| row.index)) {
-            analyst::send(&ToAnalyst::Look { index, shown: desk.shown.get() });
+            desk.analyst.send(&ToAnalyst::Look { index, shown: desk.shown.get() });
         }
     });
-    el("div").class("contents").live_one(move || row.with(|row| row.as_ref().map(|row| card(app, row))))
+    el("div").class("contents").live_one(move || row.with(|row| row.as_ref().map(|row| card(app, desk, row))))
 }
 
-fn card(app: &'static Workbench, row: &Row) -> El {
+fn card(app: &'static Workbench, desk: &'static Desk, row: &Row) -> El {
     let language = app.language.get();
-    let profile = app.decoder.device().map(Device::profile);
+    let profile = desk.device().map(Device::profile);
     let Opened { request, dissection } = Opened::of(profile, row);
     let (request, dissection) = (request.as_ref(), dissection.as_ref());
     let found = Anatomy::of_dissection(language, profile, &row.bytes, row.mode, request, dissection);
@@ -53,10 +52,10 @@ fn card(app: &'static Workbench, row: &Row) -> El {
                 .text(&[place.as_str(), if place.is_empty() { "" } else { " · " }, &offset].concat()),
         )
         .child(el("span").class("space"))
-        .children(pair.map(|pair| {
-            button(app, "quiet small", "to-pair", Language::to_pair).click(move || app.decoder.go_to(pair))
-        }))
-        .child(copy_menu(app, row, &found));
+        .children(
+            pair.map(|pair| button(app, "quiet small", "to-pair", Language::to_pair).click(move || desk.go_to(pair))),
+        )
+        .child(copy_menu(app, desk, row, &found));
     let case = Case { profile, frame: &row.bytes, mode: row.mode, dissection, request };
     let told: Vec<Told> = row.diagnoses.iter().map(|found| diagnosis::told(language, &case, found)).collect();
     let hint = || {
@@ -71,7 +70,7 @@ fn card(app: &'static Workbench, row: &Row) -> El {
         .child(byte_groups(&found, lit))
         .children(found.lacks_request().then(hint))
         .child(fields(app, &found, lit))
-        .child(views(app, row.index))
+        .child(views(app, desk, row.index))
 }
 
 fn fields(app: &'static Workbench, found: &Anatomy, lit: RwSignal<Option<usize>>) -> El {
@@ -131,14 +130,13 @@ fn diagnoses(app: &'static Workbench, told: &[Told]) -> El {
     el("ul").class("diagnoses").label(app, Language::diagnosis).children(items)
 }
 
-fn copy_menu(app: &'static Workbench, row: &Row, found: &Anatomy) -> El {
+fn copy_menu(app: &'static Workbench, desk: &'static Desk, row: &Row, found: &Anatomy) -> El {
     let item = |hook: &str, text: Label, content: String| {
         button(app, "quiet small", hook, text).click(move || clipboard::write(&content, |_| ()))
     };
     let index = row.index;
     let json = button(app, "quiet small", "copy-json", Language::copy_json).click(move || {
-        let json = app
-            .decoder
+        let json = desk
             .look
             .with_untracked(|look| look.as_ref().filter(|look| look.index == index).map(|look| look.json.clone()));
         if let Some(json) = json {
@@ -181,17 +179,15 @@ fn markdown(app: &'static Workbench, row: &Row, found: &Anatomy) -> String {
 }
 
 /// Every reading of the registers, and what would show a number.
-fn views(app: &'static Workbench, index: u32) -> El {
-    let desk = &app.decoder;
+fn views(app: &'static Workbench, desk: &'static Desk, index: u32) -> El {
     let look = Memo::new(move |_| {
         desk.look.with(|look| look.clone().filter(|look| look.index == index && !look.views.is_empty()))
     });
     let there = Memo::new(move |_| look.with(Option::is_some));
-    el("div").class("contents").live_one(move || there.get().then(|| view_box(app, look)))
+    el("div").class("contents").live_one(move || there.get().then(|| view_box(app, desk, look)))
 }
 
-fn view_box(app: &'static Workbench, look: Memo<Option<Look>>) -> El {
-    let desk = &app.decoder;
+fn view_box(app: &'static Workbench, desk: &'static Desk, look: Memo<Option<Look>>) -> El {
     let input = el("input")
         .attr("id", "shown-value")
         .attr("inputmode", "decimal")
@@ -210,13 +206,13 @@ fn view_box(app: &'static Workbench, look: Memo<Option<Look>>) -> El {
         .on("toggle", move |event| desk.views_open.set(crate::dom::is_open(&event)))
         .child(el("summary").test("views").say(app, Language::registers_views))
         .child(ask)
-        .live(move || look.with(|look| look.as_ref().map(|look| fit_lines(app, look)).unwrap_or_default()))
+        .live(move || look.with(|look| look.as_ref().map(|look| fit_lines(app, desk, look)).unwrap_or_default()))
         .live(move || look.with(|look| look.as_ref().map(|look| view_tables(app, look)).unwrap_or_default()))
 }
 
-fn fit_lines(app: &'static Workbench, look: &Look) -> Vec<El> {
+fn fit_lines(app: &'static Workbench, desk: &'static Desk, look: &Look) -> Vec<El> {
     let language = app.language.get();
-    if app.decoder.shown.with_untracked(|shown| shown.trim().is_empty()) {
+    if desk.shown.with_untracked(|shown| shown.trim().is_empty()) {
         return Vec::new();
     }
     let note = |text: &str| vec![el("p").class("form-line muted").test("fits-none").text(text)];

@@ -1,7 +1,5 @@
-//! Measures what a user feels on the Decoder page, in the real browser: `measure <address of the site>`. Each figure stands
-//! beside its target; nothing fails by time here, because a busy machine is no fault of the page.
+//! The Decoder page.
 
-use std::env;
 use std::time::Instant;
 
 use buslens_analyst::Desk;
@@ -10,24 +8,19 @@ use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_tests::pages::DecoderPage;
 use buslens_tests::testbed::{Bench, Look, Wire};
 
+use crate::{percentile, row, scrolled};
+
 /// An exchange as a line-by-line log of bare bytes, 63 characters.
 const EXCHANGE: &str = "01 04 00 02 00 04 50 09\n01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1\n";
 const EXCHANGES: usize = 166_000;
 
-#[tokio::main]
-async fn main() {
-    let site = env::args().nth(1).expect("measure <address of the site>");
+pub(crate) async fn measure(site: &str) {
     let line = Line::new([Lvdt::new(1, Motion::Swing)], 1);
-    let bench = Bench::at(&site, Wire::new(line), Look::default()).await;
-    let page = DecoderPage::open_at(&bench.browser, &site).await;
-    println!("{:<52}{:>12}{:>14}", "Decoder page", "measured", "target");
+    let bench = Bench::at(site, Wire::new(line), Look::default()).await;
+    let page = DecoderPage::open_at(&bench.browser, site).await;
     pasted_text(&bench, &page).await;
     scrolled_list(&bench, &page).await;
     large_file(&bench, &page).await;
-}
-
-fn row(name: &str, measured: f64, unit: &str, target: &str) {
-    println!("{name:<52}{:>12}{target:>14}", format!("{measured:.1} {unit}"));
 }
 
 /// Ten megabytes of pasted text.
@@ -114,31 +107,9 @@ async fn scrolled_list(bench: &Bench<Line<Lvdt>>, page: &DecoderPage<'_>) {
     page.drop_file("million.txt", "'0104000200045009\\n'.repeat(1e6)").await;
     page.wait_for_entries("1000000").await;
     bench.browser.wait_for("document.querySelector('[data-test=statistics]')").await;
-    let frames = bench
-        .browser
-        .run_async(
-            "const frame = document.querySelector('.list-frame');
-             const times = [];
-             let last = performance.now(), speed = 37;
-             const step = (now) => {
-               times.push(now - last);
-               last = now;
-               frame.scrollTop += speed;
-               if (times.length % 60 === 0) speed = speed === 37 ? 997 : speed === 997 ? 100003 : 37;
-               if (times.length < 600) requestAnimationFrame(step);
-               else done(times.slice(5).sort((a, b) => a - b));
-             };
-             requestAnimationFrame(step);",
-        )
-        .await;
-    let frames: Vec<f64> = frames.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect();
-    let at = |part: f64| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-        let place = (frames.len() as f64 * part) as usize;
-        frames.get(place.min(frames.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
-    };
-    row("1 000 000 rows scrolled: median frame", at(0.5), "ms", "");
-    row("1 000 000 rows scrolled: 99th percentile frame", at(0.99), "ms", "20 ms");
+    let frames = scrolled(&bench.browser).await;
+    row("1 000 000 rows scrolled: median frame", percentile(&frames, 50), "ms", "");
+    row("1 000 000 rows scrolled: 99th percentile frame", percentile(&frames, 99), "ms", "20 ms");
 }
 
 /// A file of 200 MB.

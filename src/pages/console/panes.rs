@@ -1,0 +1,116 @@
+//! What stands beside the log: the chosen frame, counts, snippets, sequences.
+
+use buslens_analyst::message::Tally;
+
+use super::kept::snippets_pane;
+use super::sequence::sequence_pane;
+use crate::components::desk::NOTHING;
+use crate::components::desk::detail::detail;
+use crate::components::desk::tools::statistics;
+use crate::components::icon::{Icon, icon};
+use crate::dom::{self, El, el};
+use crate::reactive::prelude::*;
+use crate::text::{Label, Language};
+use crate::workbench::Workbench;
+
+/// The panes by their keys, in order.
+pub(super) const PANES: [(&str, Label); 4] = [
+    ("frame", Language::pane_frame),
+    ("counts", Language::statistics),
+    ("snippets", Language::pane_snippets),
+    ("sequence", Language::pane_sequence),
+];
+
+/// The panes; one of them is open.
+pub(super) fn panes(app: &'static Workbench) -> El {
+    let console = &app.console;
+    let open = Memo::new(move |_| {
+        let known = console.tab.with(|tab| PANES.iter().position(|(key, _)| tab == key));
+        known.unwrap_or(0)
+    });
+    let tab = |(at, &(key, text)): (usize, &(&'static str, Label))| {
+        el("button")
+            .attr("type", "button")
+            .attr("role", "tab")
+            .attr("id", &["pane-tab-", key].concat())
+            .attr("aria-controls", "console-pane")
+            .test(&["pane-", key].concat())
+            .state("aria-selected", move || open.get() == at)
+            .live_attr("tabindex", move || Some(if open.get() == at { "0" } else { "-1" }.to_owned()))
+            .click(move || console.tab.set(key.to_owned()))
+            .say(app, text)
+    };
+    let tabs = el("div")
+        .class("pane-tabs")
+        .attr("role", "tablist")
+        .label(app, Language::panes)
+        .children(PANES.iter().enumerate().map(tab))
+        .on("keydown", move |event| {
+            let last = PANES.len() - 1;
+            let now = open.get_untracked();
+            let next = match dom::key(&event).as_str() {
+                "ArrowRight" => {
+                    if now == last {
+                        0
+                    } else {
+                        now + 1
+                    }
+                }
+                "ArrowLeft" => now.checked_sub(1).unwrap_or(last),
+                _ => return,
+            };
+            if let Some((key, _)) = PANES.get(next) {
+                event.prevent_default();
+                console.tab.set((*key).to_owned());
+                dom::focus(&["pane-tab-", *key].concat());
+            }
+        });
+    let content = move || {
+        Some(match open.get() {
+            0 => frame_pane(app),
+            1 => el("div").class("contents").child(statistics(app, &console.desk)).child(counts_empty(app)),
+            2 => snippets_pane(app),
+            _ => sequence_pane(app),
+        })
+    };
+    el("section").class("card panes").child(tabs).child(
+        el("div")
+            .class("pane")
+            .attr("id", "console-pane")
+            .attr("role", "tabpanel")
+            .live_attr("aria-labelledby", move || PANES.get(open.get()).map(|(key, _)| ["pane-tab-", *key].concat()))
+            .live_one(content),
+    )
+}
+
+fn frame_pane(app: &'static Workbench) -> El {
+    let desk = &app.console.desk;
+    let chosen = Memo::new(move |_| {
+        let chosen = desk.chosen.get();
+        chosen != NOTHING && desk.progress.with(|progress| progress.shown > 0)
+    });
+    el("div").class("contents").live_one(move || {
+        Some(if chosen.get() {
+            detail(app, desk)
+        } else {
+            el("div").class("pane-empty").child(icon(Icon::Info)).child(el("p").say(app, Language::choose_row))
+        })
+    })
+}
+
+fn counts_empty(app: &'static Workbench) -> El {
+    let none = Memo::new(move |_| {
+        let statistics = app.console.desk.statistics;
+        statistics.with(|all| all.as_ref().is_none_or(|all| all.total == Tally::default()))
+    });
+    el("div").class("contents").live_one(move || {
+        none.get().then(|| el("div").class("pane-empty").child(el("p").say(app, Language::counts_none)))
+    })
+}
+
+/// Moves the focus to an element that is about to be drawn.
+pub(super) fn focus_soon(id: &'static str) {
+    request_animation_frame(move || {
+        dom::focus(id);
+    });
+}
