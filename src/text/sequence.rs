@@ -5,6 +5,7 @@ use super::texts;
 texts! {
     seq_choose => "Sequence" | "序列";
     seq_ready => "Ready-made" | "内置序列";
+    seq_acceptance(name: &str) => "Acceptance test: {name}" | "验收测试：{name}";
     seq_own => "Own" | "自建序列";
     seq_manage => "Manage" | "管理";
     seq_new => "New" | "新建";

@@ -14,7 +14,7 @@ use super::compact;
 use crate::components::button::{button, icon_button, menu};
 use crate::components::icon::{Icon, icon};
 use crate::console::sequences::{LONGEST_NAME, file_name};
-use crate::device::Device;
+use crate::device::{self, Device};
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::text::Language;
@@ -74,8 +74,10 @@ fn choice(app: &'static Workbench) -> El {
             turn.update(|turn| *turn = turn.wrapping_add(1));
             let language = app.language.get();
             let ready = READY.iter().enumerate().map(|(at, text)| {
-                let title = outline(text).1.unwrap_or_default();
-                option(&ready_key(at), title)
+                let (id, title) = outline(text);
+                let device = device::all().iter().find(|device| Some(device.id()) == id);
+                let named = device.map(|device| language.seq_acceptance(device.name(language)));
+                option(&ready_key(at), named.as_deref().or(title).unwrap_or_default())
             });
             let ready = group(language.seq_ready(), ready.collect());
             let own = sequences.own.with(|all| {
@@ -92,8 +94,6 @@ fn choice(app: &'static Workbench) -> El {
         .on("change", move |event| sequences.choose(dom::value(&event)));
     let is_fixed = move || sequences.is_ready_made();
     let items = vec![
-        button(app, "quiet small", "sequence-new", Language::seq_new)
-            .click(move || sequences.add_new(app.language.get_untracked())),
         button(app, "quiet small", "sequence-duplicate", Language::seq_duplicate).click(move || sequences.duplicate()),
         button(app, "quiet small", "sequence-rename", Language::seq_rename).flag("disabled", is_fixed).click(
             move || {
@@ -110,7 +110,9 @@ fn choice(app: &'static Workbench) -> El {
             dom::save_text(&text, "text/plain", &[&file_name(&name), ".txt"].concat());
         }),
     ];
-    el("div").class("seq-choice").child(list).child(file_chooser(app)).child(menu(
+    let new = button(app, "small", "sequence-new", Language::seq_new)
+        .click(move || sequences.add_new(app.language.get_untracked()));
+    el("div").class("seq-choice").child(list).child(new).child(file_chooser(app)).child(menu(
         app,
         "sequence-manage",
         Language::seq_manage,

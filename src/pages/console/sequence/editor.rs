@@ -121,7 +121,12 @@ fn faults(app: &'static Workbench) -> El {
             }
         })
     };
-    el("div").class("seq-faults").attr("id", "sequence-faults").attr("aria-live", "polite").live(content)
+    el("div")
+        .class("seq-faults")
+        .attr("id", "sequence-faults")
+        .test("sequence-faults")
+        .attr("aria-live", "polite")
+        .live(content)
 }
 
 /// Puts the cursor to a place, counted in lines and characters from 1.
