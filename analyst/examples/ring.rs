@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use buslens_analyst::Desk;
 use buslens_analyst::message::{Filter, Format};
-use buslens_bus::record::{Note, Origin, What};
+use buslens_bus::record::{Event, Note, Origin, What};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::pdu::{Request, Response};
@@ -40,7 +40,7 @@ fn run(name: &str, portion: usize, filter: &Filter) -> Desk {
     let mut desk = Desk::live(0);
     desk.set_filter(filter.clone());
     let line = LineSettings::new(1_000_000, Parity::None);
-    desk.record(&[Note { at_us: 0, what: What::Opened(line, Mode::Rtu) }]);
+    desk.record(&[Note { at_us: 0, what: What::Port(Event::Opened(line, Mode::Rtu)) }]);
     let (clock, mut spent, mut longest) = (Instant::now(), 0.0_f64, 0.0_f64);
     let numbers: Vec<u32> = (0..EXCHANGES).collect();
     for block in numbers.chunks(BLOCK) {

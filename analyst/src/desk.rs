@@ -14,7 +14,7 @@ use buslens_codec::profile::{BUILT_IN, Known, Profile};
 use buslens_codec::transcript::{Entry, EntryKind, Transcript};
 use buslens_codec::{UnitId, ascii};
 
-use crate::diary::{Diary, what_of};
+use crate::diary::Diary;
 use crate::export::Sheet;
 use crate::facts::Facts;
 use crate::filter::Sieve;
@@ -197,7 +197,7 @@ impl Desk {
     /// How far everything has come.
     pub fn progress(&self) -> Progress {
         let (first, end) = (self.transcript.first(), self.view_end());
-        let after = self.diary.before(place(end)).map(|happened| what_of(happened.event));
+        let after = self.diary.before(place(end)).map(|happened| happened.event);
         Progress {
             reading: self.reading,
             done: self.done,

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 
-use buslens_bus::record::What;
 use buslens_codec::line::{LineSettings, Mode};
 use buslens_codec::segment::Event;
 use buslens_codec::session::{Remark, Told};
@@ -130,30 +129,5 @@ impl Diary {
             _ => None,
         };
         self.before(first).filter_map(opened).last().or(self.line)
-    }
-}
-
-/// An event of the line in a note's words; `None` for bytes.
-pub(crate) fn event_of(what: &What) -> Option<Event> {
-    Some(match *what {
-        What::Sent { .. } | What::Received(_) => return None,
-        What::LineError => Event::LineError,
-        What::Break(ms) => Event::Break(ms),
-        What::Opened(line, mode) => Event::Opened(line, mode),
-        What::Closed => Event::Closed,
-        What::Lost => Event::Lost,
-        What::Forgotten(bytes) => Event::Forgotten(bytes),
-    })
-}
-
-/// The note's words for an event.
-pub(crate) fn what_of(event: Event) -> What {
-    match event {
-        Event::LineError => What::LineError,
-        Event::Break(ms) => What::Break(ms),
-        Event::Opened(line, mode) => What::Opened(line, mode),
-        Event::Closed => What::Closed,
-        Event::Lost => What::Lost,
-        Event::Forgotten(bytes) => What::Forgotten(bytes),
     }
 }

@@ -1,7 +1,7 @@
 //! What the window and the analyst's worker say to each other. In the worker's messages a text or a file travels beside
 //! these, as the browser's own object: they are never copied into a message.
 
-use buslens_bus::record::{Origin, What};
+use buslens_bus::record::{Event, Origin};
 use buslens_codec::diagnose::Diagnosis;
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{Form, IntakeError};
@@ -320,7 +320,7 @@ pub struct Progress {
     /// Entries that have come since the list is held still.
     pub held: u32,
     /// What has happened to the port since the last entry, in order.
-    pub after: Vec<What>,
+    pub after: Vec<Event>,
     /// Time of the first entry that is kept, in microseconds on the source's clock.
     pub start_us: Option<u64>,
     /// Unix time of that clock's origin in microseconds, where it is known.
@@ -378,7 +378,7 @@ pub struct Row {
     /// Of a reply, the time from the beginning of its request to its own end, in microseconds.
     pub round_trip_us: Option<u64>,
     /// What happened to the port before it, in order.
-    pub before: Vec<What>,
+    pub before: Vec<Event>,
     /// The user's mark, with what is to be remembered.
     pub mark: Option<String>,
 }

@@ -4,7 +4,7 @@ mod common;
 
 use buslens_analyst::Desk;
 use buslens_analyst::message::{Filter, Format, ProfileChoice, Row};
-use buslens_bus::record::{Note, Origin, What};
+use buslens_bus::record::{Event, Note, Origin, What};
 use buslens_codec::dissect::Direction;
 use buslens_codec::intake::{self, Form};
 use buslens_codec::line::{LineSettings, Mode, Parity};
@@ -22,9 +22,9 @@ fn exchange() -> Desk {
         opened(400_000),
         sent(482_103, Origin::Poll, frame(1, &[4, 0, 2, 0, 4])),
         received(520_000, frame(1, &[4, 8, 0, 0, 1, 0x1D, 0, 0x7B, 1, 0xC8])),
-        note(600_000, What::Closed),
+        note(600_000, What::Port(Event::Closed)),
         received(700_000, vec![0xFF]),
-        note(800_000, What::Lost),
+        note(800_000, What::Port(Event::Lost)),
     ]);
     desk.settle(u64::MAX);
     assert!(desk.mark(1, Some("the \"thaw\",\nat last".to_owned())));
@@ -84,7 +84,7 @@ epoch 1714557693000000
     let again = read(expected);
     assert_eq!((again.progress().form, again.epoch_us()), (Some(Form::Session), Some(EPOCH_US)));
     assert_eq!(again.line_at_start(), Some((LINE, Mode::Rtu)));
-    assert_eq!(again.progress().after, [What::Lost]);
+    assert_eq!(again.progress().after, [Event::Lost]);
     assert_eq!(text(&again, Format::Session), expected);
 }
 
@@ -128,7 +128,7 @@ fn a_capture_names_its_dissector_and_both_ends() {
 fn a_capture_shows_what_frames_of_ascii_mode_carry() {
     let mut desk = Desk::live(0);
     desk.record(&[
-        note(0, What::Opened(LINE, Mode::Ascii)),
+        note(0, What::Port(Event::Opened(LINE, Mode::Ascii))),
         sent(1, Origin::Console, b":010300310001CA\r\n".to_vec()),
         received(2, b":0103020007F2\r\n".to_vec()),
     ]);
@@ -243,8 +243,8 @@ proptest! {
             let what = match what {
                 What::Sent { origin, bytes } => What::Sent { origin, bytes: spelled(bytes) },
                 What::Received(bytes) => What::Received(spelled(bytes)),
-                What::Opened(line, _) if ascii => What::Opened(line, Mode::Ascii),
-                what => what,
+                What::Port(Event::Opened(line, _)) if ascii => What::Port(Event::Opened(line, Mode::Ascii)),
+                what @ What::Port(_) => what,
             };
             desk.record(&[note(at_us, what)]);
         }

@@ -4,7 +4,7 @@ mod common;
 
 use buslens_analyst::Desk;
 use buslens_analyst::message::{Filter, ProfileChoice, Row};
-use buslens_bus::record::{Note, Origin, What};
+use buslens_bus::record::{Event, Note, Origin, What};
 use buslens_codec::dissect::Direction;
 use buslens_codec::line::Mode;
 use buslens_codec::profile::BUILT_IN;
@@ -33,7 +33,7 @@ fn a_poll_and_its_reply_have_times_of_their_own() {
     // Nothing else can begin like this reply: no silence is waited for.
     let [request, response] = rows(&desk).try_into().unwrap();
     assert_eq!((request.time_us, request.origin, request.gap_us), (Some(1_000_000), Origin::Poll, None));
-    assert_eq!(request.before, [What::Opened(LINE, Mode::Rtu)]);
+    assert_eq!(request.before, [Event::Opened(LINE, Mode::Rtu)]);
     // At 9600 8E1 a character takes 1145.8 us: five of them before the chunk was there, eight of the request before.
     assert_eq!(response.time_us, Some(1_016_000 - 5729));
     assert_eq!(response.gap_us, Some(1_016_000 - 5729 - 1_009_166));
@@ -121,23 +121,23 @@ fn what_happens_to_the_port_stands_before_the_next_entry() {
         opened(0),
         sent(1_000_000, Origin::Console, ask(1, 0, 1)),
         received(1_010_000, reply[..3].to_vec()),
-        note(1_011_000, What::LineError),
+        note(1_011_000, What::Port(Event::LineError)),
         received(1_012_000, reply[3..].to_vec()),
-        note(1_100_000, What::Lost),
+        note(1_100_000, What::Port(Event::Lost)),
     ]);
-    assert_eq!(desk.progress().after, [What::LineError, What::Lost]);
+    assert_eq!(desk.progress().after, [Event::LineError, Event::Lost]);
     let seen = rows(&desk);
     assert_eq!((seen.len(), &seen[1].bytes, &seen[1].before), (2, &reply, &vec![]));
     desk.record(&[opened(2_000_000), received(2_100_000, vec![0xFF])]);
     desk.settle(u64::MAX);
-    assert_eq!(rows(&desk)[2].before, [What::LineError, What::Lost, What::Opened(LINE, Mode::Rtu)]);
+    assert_eq!(rows(&desk)[2].before, [Event::LineError, Event::Lost, Event::Opened(LINE, Mode::Rtu)]);
     assert_eq!(desk.progress().after, []);
 }
 
 #[test]
 fn a_line_of_nothing_but_faults_fills_no_memory() {
     let mut desk = Desk::live(0);
-    let faults: Vec<Note> = (0..100_000).map(|at| note(at, What::LineError)).collect();
+    let faults: Vec<Note> = (0..100_000).map(|at| note(at, What::Port(Event::LineError))).collect();
     desk.record(&faults);
     assert_eq!(desk.progress().after.len(), 256);
 }

@@ -2,8 +2,7 @@
 //!
 //! Notes are what the console shows, what a session file keeps and what a replay plays.
 
-use buslens_codec::line::{LineSettings, Mode};
-pub use buslens_codec::segment::Origin;
+pub use buslens_codec::segment::{Event, Origin};
 use serde::{Deserialize, Serialize};
 
 /// Something that happened on the line.
@@ -27,18 +26,8 @@ pub enum What {
     },
     /// Bytes arrived. Where one chunk ends and the next begins means nothing.
     Received(Vec<u8>),
-    /// The port has seen a character that breaks its settings.
-    LineError,
-    /// A break was sent, for so many milliseconds.
-    Break(u32),
-    /// The port is open with these settings.
-    Opened(LineSettings, Mode),
-    /// The port was closed as asked.
-    Closed,
-    /// The adapter is gone.
-    Lost,
-    /// So many bytes of notes had to be forgotten before anybody took them.
-    Forgotten(u64),
+    /// Something happened to the port.
+    Port(Event),
 }
 
 /// How sending has ended.

@@ -4,7 +4,7 @@ mod common;
 
 use std::time::Duration;
 
-use buslens_bus::record::{End, Note, Origin, Outcome, What};
+use buslens_bus::record::{self, End, Note, Origin, Outcome, What};
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Config, Event, Exchange, Failure, Job, LinkState, Master, Poll};
 use buslens_codec::line::{LineSettings, Mode, Parity};
@@ -274,7 +274,7 @@ fn whole_exchanges(notes: &[Note], fragments: bool) {
                     reply.extend(bytes);
                 }
             }
-            _ => {}
+            What::Port(_) => {}
         }
     }
 }
@@ -317,7 +317,7 @@ fn replayed(notes: &[Note], config: Config, poll: Poll) -> (Vec<(usize, Exchange
 #[test]
 fn a_replay_tells_what_was_told_live() {
     let mut bench = Bench::factory();
-    let settings = Note { at_us: bench.now.as_micros(), what: What::Opened(FACTORY, Mode::Rtu) };
+    let settings = Note { at_us: bench.now.as_micros(), what: What::Port(record::Event::Opened(FACTORY, Mode::Rtu)) };
     bench.notes.push(settings);
     let requests = [BOTH, READ_BAUD, BOTH];
     bench.poll_every(PERIOD, requests.clone());
@@ -352,7 +352,8 @@ fn a_replay_ends_a_request_that_the_next_one_follows() {
     let read = frame(Mode::Rtu, 1, &BOTH);
     let sent = |at_us| Note { at_us, what: What::Sent { origin: Origin::Unknown, bytes: read.clone() } };
     let garbage = Note { at_us: 40_000, what: What::Received(vec![0x7F]) };
-    let notes = [sent(0), garbage, sent(60_000), Note { at_us: 90_000, what: What::Lost }, sent(200_000)];
+    let notes =
+        [sent(0), garbage, sent(60_000), Note { at_us: 90_000, what: What::Port(record::Event::Lost) }, sent(200_000)];
     let poll = Poll { unit: UnitId(1), requests: vec![BOTH], period: PERIOD };
     let (polls, _) = replayed(&notes, Config::new(FACTORY, Mode::Rtu), poll);
     assert_eq!(polls.len(), 1);

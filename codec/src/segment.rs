@@ -76,7 +76,7 @@ impl Origin {
 }
 
 /// What happens to a port while bytes go over it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Event {
     /// The port has seen a character that breaks its settings.
     LineError,

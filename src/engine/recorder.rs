@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use buslens_bus::record::{Note, What};
+use buslens_bus::record::{Event, Note, What};
 use buslens_bus::time::Instant;
 
 /// Memory for what nobody has taken, in bytes. The oldest goes first.
@@ -48,7 +48,7 @@ impl Recorder {
         self.size = 0;
         let forgotten = std::mem::take(&mut self.forgotten);
         if let Some(&Note { at_us, .. }) = self.notes.front().filter(|_| forgotten > 0) {
-            self.notes.push_front(Note { at_us, what: What::Forgotten(forgotten) });
+            self.notes.push_front(Note { at_us, what: What::Port(Event::Forgotten(forgotten)) });
         }
         std::mem::take(&mut self.notes).into()
     }
@@ -57,7 +57,7 @@ impl Recorder {
 fn bytes(what: &What) -> usize {
     match what {
         What::Sent { bytes, .. } | What::Received(bytes) => bytes.len(),
-        _ => 0,
+        What::Port(_) => 0,
     }
 }
 
@@ -93,11 +93,11 @@ mod tests {
         let notes = recorder.take();
         let kept: usize = notes.iter().map(|note| bytes(&note.what)).sum();
         assert!(kept + notes.len() * OVERHEAD <= MOST + OVERHEAD && kept > MOST / 2, "{kept}");
-        assert_eq!(notes[0].what, What::Forgotten(200 * count - kept as u64));
+        assert_eq!(notes[0].what, What::Port(Event::Forgotten(200 * count - kept as u64)));
         assert_eq!(notes[0].at_us, notes[1].at_us);
         assert_eq!(notes.last().unwrap().at_us, count - 1);
         // A new page does not hear of it again.
-        recorder.note(at(count), What::Closed);
-        assert_eq!(recorder.take(), [Note { at_us: count, what: What::Closed }]);
+        recorder.note(at(count), What::Port(Event::Closed));
+        assert_eq!(recorder.take(), [Note { at_us: count, what: What::Port(Event::Closed) }]);
     }
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use buslens_analyst::line::{Signals, ToLine};
-use buslens_bus::record::{End, Note, Origin, Outcome, What};
+use buslens_bus::record::{self, End, Note, Origin, Outcome, What};
 use buslens_bus::time::Instant;
 use buslens_bus::{Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
 use buslens_codec::UnitId;
@@ -148,7 +148,7 @@ impl Session {
         } else {
             self.master.disconnect(now());
             self.drain(console);
-            self.note_closed(console, What::Closed);
+            self.note_closed(console, What::Port(record::Event::Closed));
         }
         console.line.open = false;
         console.line.replay = false;
@@ -164,7 +164,7 @@ impl Session {
             PortEvent::Opened => {
                 self.opened = true;
                 self.open_fault = None;
-                console.note(now, What::Opened(self.connection.line, self.connection.mode));
+                console.note(now, What::Port(record::Event::Opened(self.connection.line, self.connection.mode)));
                 // A port forgets its outputs when it is opened again.
                 let Signals { dtr, rts, .. } = console.line.signals;
                 if dtr.is_some() || rts.is_some() {
@@ -173,19 +173,19 @@ impl Session {
                 self.master.handle_link(now, LinkEvent::Opened);
             }
             PortEvent::Closed => {
-                self.note_closed(console, What::Closed);
+                self.note_closed(console, What::Port(record::Event::Closed));
                 self.master.handle_link(now, LinkEvent::Closed);
             }
             PortEvent::Lost => {
-                self.note_closed(console, What::Lost);
+                self.note_closed(console, What::Port(record::Event::Lost));
                 self.master.handle_link(now, LinkEvent::Lost);
             }
             PortEvent::LineError => {
-                console.note(now, What::LineError);
+                console.note(now, What::Port(record::Event::LineError));
                 self.master.handle_link(now, LinkEvent::LineError);
             }
             PortEvent::OpenFailed(fault) => {
-                self.note_closed(console, What::Closed);
+                self.note_closed(console, What::Port(record::Event::Closed));
                 self.open_fault = Some(fault);
                 self.master.handle_link(now, LinkEvent::OpenFailed);
             }
@@ -255,7 +255,7 @@ impl Session {
             let at = Instant::from_micros(at_us);
             self.clock = self.clock.max(at);
             self.master.replay(self.clock, &what);
-            if let What::Opened(line, mode) = what {
+            if let What::Port(record::Event::Opened(line, mode)) = what {
                 (self.connection.line, self.connection.mode) = (line, mode);
             }
             console.note(at, what);
@@ -308,7 +308,7 @@ impl Session {
                 Send::Bytes(_) => None,
             }) {
                 self.signal(Signal::Break(length_ms));
-                console.note(now, What::Break(length_ms));
+                console.note(now, What::Port(record::Event::Break(length_ms)));
             }
         }
         self.hear_master(if self.is_replay() { self.clock } else { now }, console);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use buslens_bus::record::{Note, What};
+use buslens_bus::record::{Event, Note, What};
 use buslens_bus::time::Instant;
 
 use super::outbox::Outbox;
@@ -155,7 +155,7 @@ impl Playback {
 pub(super) fn weight(note: &Note) -> usize {
     match &note.what {
         What::Sent { bytes, .. } | What::Received(bytes) => bytes.len(),
-        What::Forgotten(bytes) => usize::try_from(*bytes).unwrap_or(usize::MAX),
-        _ => 0,
+        What::Port(Event::Forgotten(bytes)) => usize::try_from(*bytes).unwrap_or(usize::MAX),
+        What::Port(_) => 0,
     }
 }

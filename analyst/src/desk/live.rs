@@ -11,7 +11,7 @@ use buslens_codec::transcript::{EntryKind, Transcript};
 use buslens_codec::{ascii, rtu};
 
 use super::{Desk, place};
-use crate::diary::{Diary, event_of};
+use crate::diary::Diary;
 use crate::message::ProfileChoice;
 
 /// Entries that a log keeps unless somebody says otherwise.
@@ -205,8 +205,8 @@ impl Desk {
                 let segment = live.received(note.at_us, bytes.len());
                 self.transcript.append(bytes, &segment);
             }
-            what => {
-                let Some(event) = event_of(what) else { return };
+            What::Port(event) => {
+                let event = *event;
                 if let Event::Opened(line, mode) = event {
                     live.line = Some((line, mode));
                     live.judged_at = live.judged_at.min(self.transcript.end() + FIRST_JUDGEMENT);

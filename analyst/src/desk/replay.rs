@@ -7,7 +7,6 @@ use buslens_codec::segment::Event;
 use buslens_codec::transcript::Entry;
 
 use super::{Desk, place};
-use crate::diary::what_of;
 use crate::timing::Timeline;
 
 /// What a line is taken for that nobody tells of.
@@ -46,7 +45,7 @@ impl Desk {
     pub fn next_note(&self, cursor: &mut Cursor) -> Option<Note> {
         let (at_us, step) = self.step(cursor)?;
         let what = match step {
-            Step::Event(event) => what_of(event),
+            Step::Event(event) => What::Port(event),
             Step::Entry(index, entry) => {
                 let bytes = self.transcript.entry_bytes(index).to_vec();
                 if is_sent(&entry) { What::Sent { origin: entry.origin, bytes } } else { What::Received(bytes) }

@@ -4,7 +4,6 @@ use buslens_codec::dissect::Direction;
 use buslens_codec::transcript::EntryKind;
 
 use super::{Desk, known_of, parts, place};
-use crate::diary::what_of;
 use crate::message::{Row, Rows};
 use crate::timing;
 
@@ -57,7 +56,7 @@ impl Desk {
             origin: timing::origin_of(&self.transcript, &entry),
             gap_us: timing::gap_us(&self.transcript, index, &entry),
             round_trip_us: timing::round_trip_us(&self.transcript, &entry),
-            before: self.diary.before(place(index)).map(|happened| what_of(happened.event)).collect(),
+            before: self.diary.before(place(index)).map(|happened| happened.event).collect(),
             mark: self.diary.mark_of(place(index)).map(str::to_owned),
         })
     }

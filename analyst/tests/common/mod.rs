@@ -3,7 +3,7 @@
 
 use buslens_analyst::Desk;
 use buslens_analyst::message::{Format, Row};
-use buslens_bus::record::{Note, Origin, What};
+use buslens_bus::record::{Event, Note, Origin, What};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::pdu::{Request, Response};
@@ -25,7 +25,7 @@ pub(crate) fn received(at_us: u64, bytes: Vec<u8>) -> Note {
 }
 
 pub(crate) fn opened(at_us: u64) -> Note {
-    note(at_us, What::Opened(LINE, Mode::Rtu))
+    note(at_us, What::Port(Event::Opened(LINE, Mode::Rtu)))
 }
 
 pub(crate) fn frame(unit: u8, pdu: &[u8]) -> Vec<u8> {
@@ -106,13 +106,13 @@ pub(crate) fn any_act() -> impl Strategy<Value = Act> {
         1 => bytes().prop_map(Act::Raw),
         1 => (unit, any::<prop::sample::Index>()).prop_map(|(a, b)| Act::Damaged(a, b.index(40))),
         1 => prop_oneof![
-            Just(What::LineError),
-            Just(What::Closed),
-            Just(What::Lost),
-            Just(What::Opened(LineSettings::new(115_200, Parity::None), Mode::Rtu)),
-            Just(What::Opened(LINE, Mode::Rtu)),
-            any::<u32>().prop_map(What::Break),
-            any::<u64>().prop_map(What::Forgotten),
+            Just(What::Port(Event::LineError)),
+            Just(What::Port(Event::Closed)),
+            Just(What::Port(Event::Lost)),
+            Just(What::Port(Event::Opened(LineSettings::new(115_200, Parity::None), Mode::Rtu))),
+            Just(What::Port(Event::Opened(LINE, Mode::Rtu))),
+            any::<u32>().prop_map(|milliseconds| What::Port(Event::Break(milliseconds))),
+            any::<u64>().prop_map(|bytes| What::Port(Event::Forgotten(bytes))),
         ].prop_map(Act::What),
         1 => (0u64..3_000_000).prop_map(Act::Wait),
     ]

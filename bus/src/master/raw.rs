@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::echo::Echo;
 use super::inbox::Inbox;
 use super::job::{Addressed, unanswered_reads};
-use super::transaction::{Progress, Surroundings, USB_SLACK};
+use super::transaction::{Progress, Surroundings};
 use super::{Asker, Config};
 use crate::outcome::{Answer, Exchange, Failure};
 use crate::time::Instant;
@@ -28,7 +28,7 @@ impl Raw {
     /// Bytes that are handed to the port now.
     pub(super) fn new(now: Instant, config: Config, wait: Duration, asker: Asker, sent: Vec<u8>) -> Self {
         let on_wire_until = now + config.line.character_time(sent.len());
-        let silence = config.line.frame_gap().max(USB_SLACK);
+        let silence = config.silence();
         Self {
             asker,
             on_wire_until,

@@ -5,7 +5,7 @@ use buslens_codec::UnitId;
 use super::job::request_of;
 use super::poll::Schedule;
 use super::{Asker, Config, Current, LinkEvent, LinkState, Master};
-use crate::record::{Origin, What};
+use crate::record::{Event, Origin, What};
 use crate::time::Instant;
 
 impl Master {
@@ -28,16 +28,16 @@ impl Master {
         match what {
             What::Sent { origin, bytes } if !bytes.is_empty() => self.replay_sent(now, *origin, bytes),
             What::Received(bytes) => self.handle_bytes(now, bytes),
-            What::LineError => self.handle_link(now, LinkEvent::LineError),
-            What::Opened(line, mode) => {
+            What::Port(Event::LineError) => self.handle_link(now, LinkEvent::LineError),
+            What::Port(Event::Opened(line, mode)) => {
                 (self.config.line, self.config.mode) = (*line, *mode);
                 self.abandon(now);
                 self.link.pretend(LinkState::Open);
                 self.start_afresh(now);
             }
-            What::Closed => self.interrupted(now, LinkState::Closed),
-            What::Lost => self.interrupted(now, LinkState::Lost),
-            What::Sent { .. } | What::Break(_) | What::Forgotten(_) => {}
+            What::Port(Event::Closed) => self.interrupted(now, LinkState::Closed),
+            What::Port(Event::Lost) => self.interrupted(now, LinkState::Lost),
+            What::Sent { .. } | What::Port(Event::Break(_) | Event::Forgotten(_)) => {}
         }
     }
 

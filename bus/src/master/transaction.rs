@@ -16,9 +16,16 @@ use crate::outcome::{Answer, Counters, Exchange, Failure};
 use crate::time::Instant;
 
 /// USB adapters hold bytes back: a latency timer of 16 ms is common, and the system adds its own.
-pub(super) const USB_SLACK: Duration = Duration::from_millis(50);
+const USB_SLACK: Duration = Duration::from_millis(50);
 /// A broadcast write gives the devices time to carry it out (serial line guide, clause 2.4.1: 100 to 200 ms).
 const BROADCAST_TURNAROUND: Duration = Duration::from_millis(150);
+
+impl Config {
+    /// A line that was heard and is quiet for so long has said all, whatever an adapter holds back.
+    pub(super) fn silence(self) -> Duration {
+        self.line.frame_gap().max(USB_SLACK)
+    }
+}
 
 #[derive(Debug)]
 pub(super) struct Transaction {
@@ -70,7 +77,7 @@ impl Transaction {
     ) -> Self {
         let on_wire_until = now + config.line.character_time(sent.len());
         let reply_len = Expected { mode: config.mode, unit, request: &request }.reply_len();
-        let silence = config.line.frame_gap().max(USB_SLACK);
+        let silence = config.silence();
         let deadline = on_wire_until
             + match wait {
                 // An echo that comes after its time could be taken for a reply to the next request.

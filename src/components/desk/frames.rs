@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use buslens_analyst::message::Row;
-use buslens_bus::record::{Origin, What};
+use buslens_bus::record::{Event, Origin};
 use buslens_codec::dissect::{Direction, Dissection, dissect_known};
 use buslens_codec::pdu::Request;
 use buslens_codec::profile::{Known, Profile};
@@ -16,7 +16,7 @@ use crate::components::list::{Growing, Source, list};
 use crate::components::shell::mode_name;
 use crate::device::Device;
 use crate::dom::{El, el};
-use crate::format::{self, hex_spaced};
+use crate::format;
 use crate::reactive::prelude::*;
 use crate::text::{Label, Language};
 use crate::workbench::Workbench;
@@ -185,19 +185,18 @@ fn notes(language: Language, row: &Row) -> Vec<El> {
         let star = el("span").class("star").attr("title", comment).child(icon(Icon::Mark));
         if comment.is_empty() { star } else { star.child(el("span").text(comment)) }
     });
-    mark.into_iter().chain(row.before.iter().map(|what| event(language, what))).collect()
+    mark.into_iter().chain(row.before.iter().map(|happened| event(language, *happened))).collect()
 }
 
 /// Something that happened to the port, in a few words.
-pub(crate) fn event(language: Language, what: &What) -> El {
-    let (kind, text) = match what {
-        What::Opened(line, mode) => ("opened", language.event_opened(&line.to_string(), mode_name(*mode))),
-        What::Closed => ("closed", language.event_closed().to_owned()),
-        What::Lost => ("lost", language.event_lost().to_owned()),
-        What::LineError => ("error", language.event_line_error().to_owned()),
-        What::Break(milliseconds) => ("break", language.event_break(*milliseconds)),
-        What::Forgotten(bytes) => ("error", language.event_forgotten(&format::count(*bytes))),
-        What::Sent { bytes, .. } | What::Received(bytes) => ("", hex_spaced(bytes)),
+pub(crate) fn event(language: Language, event: Event) -> El {
+    let (kind, text) = match event {
+        Event::Opened(line, mode) => ("opened", language.event_opened(&line.to_string(), mode_name(mode))),
+        Event::Closed => ("closed", language.event_closed().to_owned()),
+        Event::Lost => ("lost", language.event_lost().to_owned()),
+        Event::LineError => ("error", language.event_line_error().to_owned()),
+        Event::Break(milliseconds) => ("break", language.event_break(milliseconds)),
+        Event::Forgotten(bytes) => ("error", language.event_forgotten(&format::count(bytes))),
     };
     el("span").class("event").test("event").attr("data-kind", kind).attr("title", &text).text(&text)
 }

@@ -76,7 +76,7 @@ pub(super) fn log_card(app: &'static Workbench) -> El {
         .live_one(move || (!any.get()).then(|| empty(app)))
         .child(el("div").class("log-after").live(move || {
             let language = app.language.get();
-            after.with(|after| after.iter().map(|what| event(language, what)).collect())
+            after.with(|after| after.iter().map(|happened| event(language, *happened)).collect())
         }))
 }
 
