@@ -1,6 +1,7 @@
 //! Parts of the page that several places use.
 
 pub(crate) mod alert;
+pub(crate) mod bring;
 pub(crate) mod button;
 pub(crate) mod bytes;
 pub(crate) mod desk;

@@ -2,12 +2,11 @@
 
 use buslens_codec::profile::{Danger, Point, Profile, Role};
 use buslens_codec::{UnitId, adu};
-use wasm_bindgen::JsCast;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
-use web_sys::HtmlInputElement;
 
 use super::state::Console;
 use crate::builder::{Draft, Way, point};
+use crate::components::bring;
 use crate::components::button::{bare, button, icon_button, menu};
 use crate::components::icon::{Icon, icon};
 use crate::console::Line;
@@ -16,7 +15,7 @@ use crate::device::{self, Device};
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::storage;
-use crate::text::Language;
+use crate::text::{Label, Language};
 use crate::workbench::Workbench;
 
 /// The id of the field for a name.
@@ -75,16 +74,9 @@ pub(super) fn snippets_pane(app: &'static Workbench) -> El {
 /// Keeps what stands in the send line.
 fn keep_form(app: &'static Workbench, form: Form) -> El {
     let console = &app.console;
-    let longest = LONGEST_NAME.to_string();
-    let field = |id: &'static str, label, value: RwSignal<String>| {
-        el("input")
-            .attr("id", id)
-            .test(id)
-            .attr("autocomplete", "off")
-            .attr("maxlength", &longest)
-            .label(app, label)
-            .live_attr("placeholder", move || Some(label(app.language.get()).to_owned()))
-            .bind("input", value)
+    // There is no room for a label that is seen.
+    let said = |id, label: Label, value| {
+        name_field(app, id, label, value).live_attr("placeholder", move || Some(label(app.language.get()).to_owned()))
     };
     let folders = el("datalist").attr("id", "snippet-folders").live(move || {
         let mut folders = console.snippets.with(|all| all.iter().map(|one| one.folder.clone()).collect::<Vec<_>>());
@@ -115,8 +107,8 @@ fn keep_form(app: &'static Workbench, form: Form) -> El {
                 form.name.set(String::new());
             }
         })
-        .child(field(NAME, Language::snippet_name, form.name))
-        .child(field("snippet-folder", Language::snippet_folder, form.folder).attr("list", "snippet-folders"))
+        .child(said(NAME, Language::snippet_name, form.name))
+        .child(said("snippet-folder", Language::snippet_folder, form.folder).attr("list", "snippet-folders"))
         .child(folders)
         .child(
             button(app, "small", "snippet-save", Language::snippet_save)
@@ -127,24 +119,25 @@ fn keep_form(app: &'static Workbench, form: Form) -> El {
         .child(menu(app, "snippets-files", Language::snippets_files, items))
 }
 
-fn file_chooser(console: &'static Console, form: Form) -> El {
+/// A field for a name or a folder.
+fn name_field(app: &'static Workbench, id: &'static str, label: Label, value: RwSignal<String>) -> El {
     el("input")
-        .attr("type", "file")
-        .attr("id", "snippet-file")
-        .attr("accept", ".json,application/json")
-        .attr("tabindex", "-1")
-        .class("visually-hidden")
-        .test("snippet-file")
-        .on("change", move |event| {
-            let Some(chooser) = event.target().map(JsCast::unchecked_into::<HtmlInputElement>) else { return };
-            if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
-                spawn_local(async move {
-                    let text = JsFuture::from(file.text()).await.ok().and_then(|text| text.as_string());
-                    import(console, form, &text.unwrap_or_default());
-                });
-            }
-            chooser.set_value("");
-        })
+        .attr("id", id)
+        .test(id)
+        .attr("autocomplete", "off")
+        .attr("maxlength", &LONGEST_NAME.to_string())
+        .label(app, label)
+        .bind("input", value)
+}
+
+fn file_chooser(console: &'static Console, form: Form) -> El {
+    let chooser = bring::chooser("snippet-file", move |file| {
+        spawn_local(async move {
+            let text = JsFuture::from(file.text()).await.ok().and_then(|text| text.as_string());
+            import(console, form, &text.unwrap_or_default());
+        });
+    });
+    chooser.attr("accept", ".json,application/json").attr("tabindex", "-1")
 }
 
 fn import(console: &Console, form: Form, text: &str) {
@@ -237,16 +230,6 @@ fn rename_row(app: &'static Workbench, form: Form, at: usize, snippet: &Snippet)
     let console = &app.console;
     let (name, folder) = (RwSignal::new(snippet.name.clone()), RwSignal::new(snippet.folder.clone()));
     let before = snippet.clone();
-    let longest = LONGEST_NAME.to_string();
-    let input = |id: &'static str, label, value: RwSignal<String>| {
-        el("input")
-            .attr("id", id)
-            .test(id)
-            .attr("autocomplete", "off")
-            .attr("maxlength", &longest)
-            .label(app, label)
-            .bind("input", value)
-    };
     el("form")
         .class("snippet-form")
         .on("submit", move |event| {
@@ -270,8 +253,10 @@ fn rename_row(app: &'static Workbench, form: Form, at: usize, snippet: &Snippet)
                 form.renaming.set(None);
             }
         })
-        .child(input("snippet-rename-name", Language::snippet_name, name))
-        .child(input("snippet-rename-folder", Language::snippet_folder, folder).attr("list", "snippet-folders"))
+        .child(name_field(app, "snippet-rename-name", Language::snippet_name, name))
+        .child(
+            name_field(app, "snippet-rename-folder", Language::snippet_folder, folder).attr("list", "snippet-folders"),
+        )
         .child(button(app, "small primary", "snippet-rename-save", Language::save).attr("type", "submit"))
 }
 

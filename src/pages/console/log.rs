@@ -6,13 +6,13 @@ use std::time::Duration;
 use buslens_analyst::message::{Format, Row, ToConsole};
 use buslens_codec::dissect::Direction;
 use js_sys::JsString;
-use wasm_bindgen::prelude::*;
-use web_sys::{DragEvent, Event, HtmlInputElement};
+use web_sys::Event;
 
 use super::state::{Console, RINGS};
 use super::{compact, replay, send};
 use crate::anatomy::Facts;
 use crate::clipboard;
+use crate::components::bring::{self, Dropped};
 use crate::components::button::{bare, button, icon_button, menu};
 use crate::components::desk::tools::{counts_text, export_menu, filter_bar};
 use crate::components::desk::{Bytes, Opened, Times, event, frame_list};
@@ -328,19 +328,7 @@ fn text_line(app: &'static Workbench, row: &Row) -> String {
 /// Opens a log or a saved session.
 fn file_button(app: &'static Workbench) -> El {
     let console = &app.console;
-    let chooser =
-        el("input").attr("type", "file").attr("id", "console-file").class("visually-hidden").test("console-file").on(
-            "change",
-            move |event| {
-                let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
-                let Some(chooser) = chosen else { return };
-                if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
-                    console.bring(&file.name(), &file);
-                }
-                // The same file can be chosen again.
-                chooser.set_value("");
-            },
-        );
+    let chooser = bring::chooser("console-file", move |file| console.bring(&file.name(), &file));
     el("label")
         .class("button small quiet file")
         .live_attr("title", move || Some(app.language.get().open_log().to_owned()))
@@ -351,12 +339,11 @@ fn file_button(app: &'static Workbench) -> El {
 
 /// A log that is dropped on the page.
 pub(super) fn dropped(app: &'static Workbench, event: &Event) {
-    event.prevent_default();
-    let Some(transfer) = event.unchecked_ref::<DragEvent>().data_transfer() else { return };
-    if let Some(file) = transfer.files().and_then(|files| files.get(0)) {
-        return app.console.bring(&file.name(), &file);
+    match bring::dropped(event) {
+        Some(Dropped::File(file)) => app.console.bring(&file.name(), &file),
+        Some(Dropped::Text(text)) => bring_text(app, &text),
+        None => {}
     }
-    bring_text(app, &transfer.unchecked_ref::<Clipboard>().text("text"));
 }
 
 /// A log that is pasted where nothing is typed.
@@ -364,9 +351,9 @@ pub(super) fn pasted(app: &'static Workbench, event: &Event) {
     if dom::is_typing(event) {
         return;
     }
-    if let Some(clipboard) = event.unchecked_ref::<Transfer>().clipboard() {
+    if let Some(text) = bring::pasted(event) {
         event.prevent_default();
-        bring_text(app, &clipboard.text("text"));
+        bring_text(app, &text);
     }
 }
 
@@ -399,16 +386,4 @@ fn empty(app: &'static Workbench) -> El {
             ]
         }
     })
-}
-
-#[wasm_bindgen]
-extern "C" {
-    type Transfer;
-    #[wasm_bindgen(method, getter, js_name = clipboardData)]
-    fn clipboard(this: &Transfer) -> Option<Clipboard>;
-
-    /// The browser's text stays the browser's: a long one is never copied into the program.
-    type Clipboard;
-    #[wasm_bindgen(method, js_name = getData)]
-    fn text(this: &Clipboard, kind: &str) -> JsString;
 }

@@ -6,11 +6,10 @@ mod steps;
 mod words;
 
 use buslens_sequence::{READY, Verdict, outline};
-use wasm_bindgen::JsCast;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
-use web_sys::HtmlInputElement;
 
 use super::compact;
+use crate::components::bring;
 use crate::components::button::{button, icon_button, menu};
 use crate::components::icon::{Icon, icon};
 use crate::console::sequences::{LONGEST_NAME, file_name};
@@ -122,26 +121,16 @@ fn choice(app: &'static Workbench) -> El {
 
 fn file_chooser(app: &'static Workbench) -> El {
     let sequences = &app.console.sequences;
-    el("input")
-        .attr("type", "file")
-        .attr("id", "sequence-file")
-        .attr("accept", ".txt,text/plain")
-        .attr("tabindex", "-1")
-        .class("visually-hidden")
-        .test("sequence-file")
-        .on("change", move |event| {
-            let Some(chooser) = event.target().map(JsCast::unchecked_into::<HtmlInputElement>) else { return };
-            if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
-                // Beyond this no text is read at all.
-                let too_long = file.size() > state::LONGEST_FILE;
-                spawn_local(async move {
-                    let read = if too_long { None } else { JsFuture::from(file.text()).await.ok() };
-                    let text = read.and_then(|text| text.as_string());
-                    sequences.bring(&file.name(), text, too_long);
-                });
-            }
-            chooser.set_value("");
-        })
+    let chooser = bring::chooser("sequence-file", move |file| {
+        // Beyond this no text is read at all.
+        let too_long = file.size() > state::LONGEST_FILE;
+        spawn_local(async move {
+            let read = if too_long { None } else { JsFuture::from(file.text()).await.ok() };
+            let text = read.and_then(|text| text.as_string());
+            sequences.bring(&file.name(), text, too_long);
+        });
+    });
+    chooser.attr("accept", ".txt,text/plain").attr("tabindex", "-1")
 }
 
 fn rename_form(app: &'static Workbench) -> El {

@@ -2,9 +2,10 @@
 
 use js_sys::JsString;
 use wasm_bindgen::prelude::*;
-use web_sys::{DragEvent, Event, HtmlInputElement};
+use web_sys::Event;
 
 use super::desk::{Decoder, Document, LONGEST_TYPED};
+use crate::components::bring::{self, Dropped};
 use crate::components::button::{button, icon_button};
 use crate::components::desk::reading::understood;
 use crate::components::icon::{Icon, icon};
@@ -73,9 +74,7 @@ fn field(app: &'static Workbench) -> El {
 
 /// A text that is too long for the field pastes beside it: laying it out would hold up the page for seconds.
 fn pasted(desk: &Decoder, event: &Event) {
-    let Some(text) = event.unchecked_ref::<Transfer>().clipboard().map(|clipboard| clipboard.text("text")) else {
-        return;
-    };
+    let Some(text) = bring::pasted(event) else { return };
     if text.length() > LONGEST_TYPED {
         event.prevent_default();
         desk.read_long(&text);
@@ -93,32 +92,17 @@ fn typed_long(desk: &Decoder, event: &Event) {
 }
 
 fn dropped(desk: &Decoder, event: &Event) {
-    event.prevent_default();
-    let Some(transfer) = event.unchecked_ref::<DragEvent>().data_transfer() else { return };
-    if let Some(file) = transfer.files().and_then(|files| files.get(0)) {
-        desk.read_file(&file);
-        return;
-    }
-    let text = transfer.unchecked_ref::<Clipboard>().text("text");
-    if text.length() > LONGEST_TYPED {
-        desk.read_long(&text);
-    } else if text.length() > 0 {
-        desk.replace(text.into());
+    match bring::dropped(event) {
+        Some(Dropped::File(file)) => desk.read_file(&file),
+        Some(Dropped::Text(text)) if text.length() > LONGEST_TYPED => desk.read_long(&text),
+        Some(Dropped::Text(text)) if text.length() > 0 => desk.replace(text.into()),
+        _ => {}
     }
 }
 
 fn file_button(app: &'static Workbench) -> El {
     let desk = &app.decoder;
-    let chooser =
-        el("input").attr("type", "file").class("visually-hidden").test("decoder-file").on("change", move |event| {
-            let chosen = event.target().map(JsCast::unchecked_into::<HtmlInputElement>);
-            let Some(chooser) = chosen else { return };
-            if let Some(file) = chooser.files().and_then(|files| files.get(0)) {
-                desk.read_file(&file);
-            }
-            // The same file can be chosen again.
-            chooser.set_value("");
-        });
+    let chooser = bring::chooser("decoder-file", move |file| desk.read_file(&file));
     el("label")
         .class("button small file")
         .child(icon(Icon::File))
@@ -171,15 +155,6 @@ fn description(language: Language, document: &Document) -> String {
 
 #[wasm_bindgen]
 extern "C" {
-    type Transfer;
-    #[wasm_bindgen(method, getter, js_name = clipboardData)]
-    fn clipboard(this: &Transfer) -> Option<Clipboard>;
-
-    /// The browser's text stays the browser's: a long one is never copied into the program.
-    type Clipboard;
-    #[wasm_bindgen(method, js_name = getData)]
-    fn text(this: &Clipboard, kind: &str) -> JsString;
-
     type Field;
     #[wasm_bindgen(method, getter)]
     fn value(this: &Field) -> JsValue;
