@@ -31,6 +31,7 @@ pub(super) fn dock(app: &'static Workbench) -> El {
     let console = &app.console;
     let dock = &console.dock;
     let repeating = Memo::new(move |_| dock.repeat.with(|repeat| !repeat.is_empty()));
+    let outgoing = Memo::new(move |_| dock.line().outgoing());
     el("form")
         .class("card dock")
         .test("send-dock")
@@ -39,14 +40,17 @@ pub(super) fn dock(app: &'static Workbench) -> El {
             event.prevent_default();
             dock.send(console);
         })
-        .child(entry_row(app, dock, repeating))
+        .child(entry_row(app, dock, repeating, outgoing))
         .live_one(move || repeating.get().then(|| repeat_row(app, dock)))
-        .child(el("div").class("dock-told").child(preview(app, dock)).child(result(app, dock)))
+        .child(el("div").class("dock-told").child(preview(app, dock, outgoing)).child(result(app, dock)))
 }
 
-fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>) -> El {
+/// What the line comes to.
+type Made = Memo<Result<Outgoing, Fault>>;
+
+fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>, outgoing: Made) -> El {
     let console = &app.console;
-    let is_wrong = move || dock.line().outgoing().is_err();
+    let is_wrong = move || outgoing.with(Result::is_err);
     let input = el("input")
         .class("mono send-line")
         .attr("id", LINE)
@@ -106,7 +110,7 @@ fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>
         .child(el("span").say(app, Language::send))
         .flag("disabled", move || {
             !console.is_open()
-                || dock.line().outgoing().map_or(true, |outgoing| outgoing.bytes.is_empty())
+                || outgoing.with(|made| made.as_ref().map_or(true, |outgoing| outgoing.bytes.is_empty()))
                 || dock.repetition().is_err()
                 || dock.wait_ms().is_err()
         });
@@ -177,16 +181,15 @@ fn repeat_row(app: &'static Workbench, dock: &'static Dock) -> El {
 }
 
 /// The bytes as they will go out, or what is wrong with the line.
-fn preview(app: &'static Workbench, dock: &'static Dock) -> El {
+fn preview(app: &'static Workbench, dock: &'static Dock, outgoing: Made) -> El {
     let drawn = move || {
         let language = app.language.get();
-        let line = dock.line();
-        match line.outgoing() {
+        match outgoing.get() {
             Err(fault) => vec![fault_line(language, fault)],
             Ok(outgoing) if outgoing.bytes.is_empty() => {
                 vec![el("p").class("muted").say(app, Language::send_hint)]
             }
-            Ok(outgoing) => vec![bytes_line(app, language, &line, &outgoing)],
+            Ok(outgoing) => vec![bytes_line(app, language, &dock.line(), &outgoing)],
         }
     };
     el("div").class("preview").attr("id", "send-told").test("send-preview").live(drawn)
