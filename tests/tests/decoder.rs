@@ -190,9 +190,9 @@ async fn what_the_device_shows_finds_its_encoding() {
     bench.browser.click_nth("frame-row", 1).await;
     bench.browser.click("views").await;
     bench.browser.fill("shown-value", "-0.328").await;
+    // The number is typed key by key, and its beginnings fit other encodings: the look at the whole of it comes last.
     let first = "document.querySelector('[data-test=fit-row]')?.innerText";
-    let first = bench.browser.wait_for(first).await;
-    assert!(first.as_str().unwrap().contains("sign_magnitude_thousandths"), "{first}");
+    bench.browser.wait_for(&format!("{first}.includes('sign_magnitude_thousandths')")).await;
 }
 
 /// Ten megabytes of text: rows soon, all of it in time, and the page never blocked. The times are printed, not asserted:
