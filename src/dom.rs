@@ -307,6 +307,23 @@ pub(crate) fn focus(id: &str) -> bool {
     found.is_some_and(|found| found.focus().is_ok())
 }
 
+/// Presses what has this id as a hand would: what is disabled stays as it is.
+pub(crate) fn press(id: &str) {
+    if let Some(found) = document().get_element_by_id(id).and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+        found.click();
+    }
+}
+
+/// Opens the menu with this id, its first item ready to be pressed.
+pub(crate) fn open_menu(id: &str) {
+    let Some(menu) = document().get_element_by_id(id) else { return };
+    let _ = menu.set_attribute("open", "");
+    let first = menu.query_selector(".menu-items button").ok().flatten();
+    if let Some(first) = first.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+        let _ = first.focus();
+    }
+}
+
 /// Moves the focus to the text field with this id, and the cursor to a place in it, counted in UTF-16 units.
 pub(crate) fn select(id: &str, at: u32) {
     if focus(id)

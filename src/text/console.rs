@@ -173,6 +173,12 @@ texts! {
     key_copy_text => "Copy as text" | "复制为文本";
     key_copy_json => "Copy as JSON" | "复制为 JSON";
     key_replay => "Replay" | "回放";
+    key_replay_speed => "Replay at another speed" | "以其他速度回放";
+    key_times => "The next way to tell times" | "切换时间显示方式";
+    key_bytes => "The next way to show bytes" | "切换字节显示方式";
+    key_stop => "Stop sending or replaying" | "停止发送或回放";
+    key_keep => "Keep the send line as a snippet" | "将发送行收藏为常用报文";
+    key_line => "Settings of the line" | "线路设置";
     key_build => "Build a frame" | "组建报文";
     key_next_part => "List, send line, filter" | "列表、发送行、筛选框之间切换";
     key_arrows => "Rows; in the send line what was sent before" | "选择行；在发送行中取回之前发送的内容";

@@ -397,3 +397,34 @@ async fn a_frame_is_sent_and_found_by_keys_alone() {
     bench.browser.wait_for("document.querySelector('[data-test=send-line]').value === '010300310001'").await;
     assert_eq!(bench.browser.complaints().await, [""; 0]);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn switches_menus_and_fields_have_keys() {
+    let bench = Bench::new(lvdt()).await;
+    let page = polled(&bench).await;
+    page.catch_files().await;
+    let is = |hook: &str, state: &str| format!("document.querySelector('[data-test={hook}]')?.{state} === 'true'");
+    page.press(&["v"]).await;
+    bench.browser.wait_for(&format!("!({})", is("line-polling", "ariaChecked"))).await;
+    page.wait_for_quiet().await;
+    page.press(&["n", "q", "q"]).await;
+    bench.browser.wait_for(&is("times-start", "ariaPressed")).await;
+    bench.browser.wait_for(&is("bytes-both", "ariaPressed")).await;
+    page.press(&["u"]).await;
+    bench.browser.wait_for("document.querySelector('[data-test=repeat-every]')").await;
+    // The menu's first item has the focus: the text export.
+    page.press(&["w"]).await;
+    page.wait_for_focus("export-text").await;
+    page.press(&["Enter"]).await;
+    let text = String::from_utf8(page.saved().await).expect("text");
+    assert!(text.contains("01 04 00 02 00 04 50 09"), "{text}");
+    for (key, field) in [("y", "ring-size"), ("i", "line-baud")] {
+        bench.browser.run("document.activeElement.blur()").await;
+        page.press(&[key]).await;
+        page.wait_for_focus(field).await;
+    }
+    bench.browser.run("document.activeElement.blur()").await;
+    page.press(&["?"]).await;
+    bench.browser.wait_for("document.querySelectorAll('[data-test=keys-sheet] kbd').length > 40").await;
+}

@@ -44,6 +44,7 @@ pub(super) fn tabs<const N: usize>(
     let tab = |(key, text): (&'static str, Label)| {
         el("button")
             .attr("type", "button")
+            .attr("id", &[hook, "-", key].concat())
             .test(&[hook, "-", key].concat())
             .state("aria-pressed", move || value() == key)
             .click(move || choose(key))

@@ -1,5 +1,6 @@
 //! The keys of the page, and the sheet that tells them.
 
+use buslens_analyst::message::ToConsole;
 use web_sys::Event;
 
 use super::log::{Copied, FILTER, LIST, copy};
@@ -29,7 +30,7 @@ const fn shifted(name: &'static str, shown: &'static str, what: Label, act: fn(&
 }
 
 /// The keys that work wherever nothing is typed.
-const KEYS: [Key; 21] = [
+const KEYS: [Key; 38] = [
     key("/", "/", Language::key_search, |_| {
         dom::focus(FILTER);
     }),
@@ -55,7 +56,37 @@ const KEYS: [Key; 21] = [
     key("c", "C", Language::key_copy_hex, |app| copy(app, Copied::Hex)),
     key("t", "T", Language::key_copy_text, |app| copy(app, Copied::Text)),
     key("j", "J", Language::key_copy_json, |app| copy(app, Copied::Json)),
+    key("a", "A", Language::open_log, |_| dom::press("console-file")),
+    key("w", "W", Language::export, |_| dom::open_menu("log-export")),
+    key("d", "D", Language::clear_log, |_| dom::open_menu("log-clear")),
     key("r", "R", Language::key_replay, |app| app.console.play()),
+    shifted("R", "\u{21E7} R", Language::key_replay_speed, |_| dom::open_menu("log-replay")),
+    key("0", "0", Language::back_to_live, |_| dom::press("back-to-live")),
+    key("n", "N", Language::key_times, |app| {
+        let times = &app.console.desk.times;
+        press_next("times", &["clock", "start", "gap"], times.get_untracked().key());
+    }),
+    key("q", "Q", Language::key_bytes, |app| {
+        let bytes = &app.console.desk.bytes;
+        press_next("bytes", &["hex", "ascii", "both"], bytes.get_untracked().key());
+    }),
+    key("y", "Y", Language::ring, |_| {
+        dom::focus("ring-size");
+    }),
+    key("u", "U", Language::repeat, |_| dom::press("repeat")),
+    key("z", "Z", Language::key_stop, |app| {
+        app.console.tell(ToConsole::StopSending);
+        app.console.tell(ToConsole::StopReplay);
+    }),
+    key("k", "K", Language::key_keep, |_| dom::press("keep-line")),
+    key("i", "I", Language::key_line, |_| {
+        dom::focus("line-baud");
+    }),
+    key("v", "V", Language::polling, |_| dom::press("line-polling")),
+    shifted("V", "\u{21E7} V", Language::read_only, |_| dom::press("line-read-only")),
+    shifted("B", "\u{21E7} B", Language::break_line, |_| dom::press("line-break")),
+    shifted("D", "\u{21E7} D", |_| "DTR", |_| dom::press("line-dtr")),
+    shifted("T", "\u{21E7} T", |_| "RTS", |_| dom::press("line-rts")),
     key("b", "B", Language::key_build, |app| app.console.builder_open.set(true)),
     key("g", "G", Language::key_sequence_run, super::sequence::run),
     key("h", "H", Language::key_sequence_stop, super::sequence::stop),
@@ -118,6 +149,14 @@ fn next_part(back: bool) {
     };
     if let Some(part) = parts.get(next) {
         dom::focus(part);
+    }
+}
+
+/// Presses the one of some buttons that comes after the one in force.
+fn press_next(group: &str, keys: &[&str], now: &str) {
+    let at = keys.iter().position(|key| *key == now).map_or(0, |at| at + 1);
+    if let Some(key) = keys.get(at % keys.len().max(1)) {
+        dom::press(&[group, "-", key].concat());
     }
 }
 

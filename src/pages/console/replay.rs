@@ -33,7 +33,7 @@ pub(super) fn play_menu(app: &'static Workbench) -> El {
                 console.play();
             })
     };
-    menu(app, "replay", Language::replay, [hint].into_iter().chain(SPEEDS.map(item)).collect())
+    menu(app, "replay", Language::replay, [hint].into_iter().chain(SPEEDS.map(item)).collect()).attr("id", "log-replay")
 }
 
 /// Tells that the list is not the line's, and how far it has come.
@@ -55,6 +55,7 @@ pub(super) fn banner(app: &'static Workbench) -> El {
                         .child(el("span").class("space"))
                         .child(
                             button(app, "small", "back-to-live", Language::back_to_live)
+                                .attr("id", "back-to-live")
                                 .click(move || console.go_live()),
                         ),
                 )

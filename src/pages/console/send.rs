@@ -100,6 +100,7 @@ fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>
     .label(app, Language::check)
     .flag("disabled", move || dock.framing.with(|key| key == Framing::Typed.key()));
     let repeat = bare("small toggle", "repeat")
+        .attr("id", "repeat")
         .state("aria-pressed", move || repeating.get())
         .say(app, Language::repeat)
         .click(move || dock.repeat.set(if repeating.get() { "" } else { "yes" }.to_owned()));
@@ -130,7 +131,7 @@ fn entry_row(app: &'static Workbench, dock: &'static Dock, repeating: Memo<bool>
                 .attr("aria-haspopup", "dialog")
                 .click(move || console.builder_open.set(true)),
         )
-        .child(button(app, "small", "keep-line", Language::keep_line).click(move || {
+        .child(button(app, "small", "keep-line", Language::keep_line).attr("id", "keep-line").click(move || {
             console.tab.set("snippets".to_owned());
             super::panes::focus_soon(super::kept::NAME);
         }))

@@ -283,6 +283,7 @@ fn switches(app: &'static Workbench) -> [El; 2] {
     let switch =
         move |hook: &'static str, text: Label, hint: Label, pick: fn(&LineState) -> bool, order: fn(bool) -> ToLine| {
             bare("small switch", hook)
+                .attr("id", hook)
                 .attr("role", "switch")
                 .state("aria-checked", move || on(pick))
                 .live_attr("title", move || Some(hint(app.language.get()).to_owned()))
@@ -318,6 +319,7 @@ fn signals(app: &'static Workbench, setup: Setup) -> El {
     let output =
         move |name: &'static str, hook: &str, pick: fn(&Signals) -> Option<bool>, order: fn(bool) -> ToLine| {
             bare("small lamp-button", hook)
+                .attr("id", hook)
                 .state("aria-pressed", move || signal(pick) == Some(true))
                 .flag("disabled", move || !has_signals())
                 .child(el("i").class("lamp").live_attr("data-on", move || lamp_state(signal(pick))))
@@ -356,6 +358,7 @@ fn signals(app: &'static Workbench, setup: Setup) -> El {
         .live_attr("aria-invalid", move || milliseconds().is_none().then(|| "true".to_owned()))
         .bind("input", setup.break_ms);
     let hold = button(app, "small", "line-break", Language::break_line)
+        .attr("id", "line-break")
         .live_attr("title", move || Some(app.language.get().break_hint().to_owned()))
         .flag("disabled", move || !console.is_open() || milliseconds().is_none())
         .click(move || {
