@@ -303,25 +303,40 @@ pub(crate) fn is_typing(event: &Event) -> bool {
 
 /// Moves the focus to the element with this id; whether there is one.
 pub(crate) fn focus(id: &str) -> bool {
-    let found = document().get_element_by_id(id).and_then(|found| found.dyn_into::<HtmlElement>().ok());
-    found.is_some_and(|found| found.focus().is_ok())
+    element(id).is_some_and(|found| found.focus().is_ok())
 }
 
 /// Presses what has this id as a hand would: what is disabled stays as it is.
 pub(crate) fn press(id: &str) {
-    if let Some(found) = document().get_element_by_id(id).and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+    if let Some(found) = element(id) {
         found.click();
+    }
+}
+
+/// Presses the button after the pressed one, of the group with this id.
+pub(crate) fn press_next(group: &str) {
+    if let Some(next) = within(group, "[aria-pressed=true] + button").or_else(|| within(group, "button")) {
+        next.click();
     }
 }
 
 /// Opens the menu with this id, its first item ready to be pressed.
 pub(crate) fn open_menu(id: &str) {
-    let Some(menu) = document().get_element_by_id(id) else { return };
-    let _ = menu.set_attribute("open", "");
-    let first = menu.query_selector(".menu-items button").ok().flatten();
-    if let Some(first) = first.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+    if let Some(menu) = element(id) {
+        let _ = menu.set_attribute("open", "");
+    }
+    if let Some(first) = within(id, ".menu-items button") {
         let _ = first.focus();
     }
+}
+
+fn element(id: &str) -> Option<HtmlElement> {
+    document().get_element_by_id(id)?.dyn_into().ok()
+}
+
+/// The first that fits a selector inside what has this id.
+fn within(id: &str, selector: &str) -> Option<HtmlElement> {
+    element(id)?.query_selector(selector).ok()??.dyn_into().ok()
 }
 
 /// Moves the focus to the text field with this id, and the cursor to a place in it, counted in UTF-16 units.

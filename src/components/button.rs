@@ -24,7 +24,7 @@ pub(crate) fn icon_button(
 /// A button that opens a few others below it; choosing one of them, or going elsewhere, closes them again.
 pub(crate) fn menu(app: &'static Ambient, hook: &str, text: fn(Language) -> &'static str, items: Vec<El>) -> El {
     let summary = el("summary").class("button quiet small").test(hook).say(app, text);
-    let menu = el("details").class("menu");
+    let menu = el("details").class("menu").attr("id", &[hook, "-menu"].concat());
     let (chosen, left) = (menu.handle(), menu.handle());
     let items = el("div").class("menu-items").children(items).on("click", move |_| chosen.close());
     menu.child(summary).child(items).on("focusout", move |event| {

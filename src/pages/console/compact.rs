@@ -32,7 +32,7 @@ pub(super) fn select(
         .on("change", move |event| value.set(dom::value(&event)))
 }
 
-/// Buttons of which one is pressed. Each is named `hook-key` for the tests.
+/// Buttons of which one is pressed. The group has the id `hook`; each is named `hook-key` for the tests.
 pub(super) fn tabs<const N: usize>(
     app: &'static Workbench,
     label: Label,
@@ -44,11 +44,10 @@ pub(super) fn tabs<const N: usize>(
     let tab = |(key, text): (&'static str, Label)| {
         el("button")
             .attr("type", "button")
-            .attr("id", &[hook, "-", key].concat())
             .test(&[hook, "-", key].concat())
             .state("aria-pressed", move || value() == key)
             .click(move || choose(key))
             .say(app, text)
     };
-    el("div").class("tabs").attr("role", "group").label(app, label).children(tabs.map(tab))
+    el("div").class("tabs").attr("id", hook).attr("role", "group").label(app, label).children(tabs.map(tab))
 }

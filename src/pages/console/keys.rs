@@ -57,19 +57,13 @@ const KEYS: [Key; 38] = [
     key("t", "T", Language::key_copy_text, |app| copy(app, Copied::Text)),
     key("j", "J", Language::key_copy_json, |app| copy(app, Copied::Json)),
     key("a", "A", Language::open_log, |_| dom::press("console-file")),
-    key("w", "W", Language::export, |_| dom::open_menu("log-export")),
-    key("d", "D", Language::clear_log, |_| dom::open_menu("log-clear")),
+    key("w", "W", Language::export, |_| dom::open_menu("export-menu")),
+    key("d", "D", Language::clear_log, |_| dom::open_menu("clear-menu")),
     key("r", "R", Language::key_replay, |app| app.console.play()),
-    shifted("R", "\u{21E7} R", Language::key_replay_speed, |_| dom::open_menu("log-replay")),
+    shifted("R", "\u{21E7} R", Language::key_replay_speed, |_| dom::open_menu("replay-menu")),
     key("0", "0", Language::back_to_live, |_| dom::press("back-to-live")),
-    key("n", "N", Language::key_times, |app| {
-        let times = &app.console.desk.times;
-        press_next("times", &["clock", "start", "gap"], times.get_untracked().key());
-    }),
-    key("q", "Q", Language::key_bytes, |app| {
-        let bytes = &app.console.desk.bytes;
-        press_next("bytes", &["hex", "ascii", "both"], bytes.get_untracked().key());
-    }),
+    key("n", "N", Language::key_times, |_| dom::press_next("times")),
+    key("q", "Q", Language::key_bytes, |_| dom::press_next("bytes")),
     key("y", "Y", Language::ring, |_| {
         dom::focus("ring-size");
     }),
@@ -149,14 +143,6 @@ fn next_part(back: bool) {
     };
     if let Some(part) = parts.get(next) {
         dom::focus(part);
-    }
-}
-
-/// Presses the one of some buttons that comes after the one in force.
-fn press_next(group: &str, keys: &[&str], now: &str) {
-    let at = keys.iter().position(|key| *key == now).map_or(0, |at| at + 1);
-    if let Some(key) = keys.get(at % keys.len().max(1)) {
-        dom::press(&[group, "-", key].concat());
     }
 }
 

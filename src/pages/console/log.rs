@@ -158,7 +158,7 @@ fn header(app: &'static Workbench) -> El {
                 copy_menu(app),
                 file_button(app),
                 replay::play_menu(app),
-                export_menu(app, desk, &FORMATS).attr("id", "log-export"),
+                export_menu(app, desk, &FORMATS),
                 clear_menu(app),
                 tool(app, "small quiet", "keys", Icon::Keys, Language::keys)
                     .click(move || console.keys_open.update(|open| *open = !*open)),
@@ -263,7 +263,7 @@ fn clear_menu(app: &'static Workbench) -> El {
             console.tell(ToConsole::Clear);
         }),
     ];
-    menu(app, "clear", Language::clear_log, items).attr("id", "log-clear")
+    menu(app, "clear", Language::clear_log, items)
 }
 
 fn copy_menu(app: &'static Workbench) -> El {

@@ -33,7 +33,7 @@ pub(super) fn play_menu(app: &'static Workbench) -> El {
                 console.play();
             })
     };
-    menu(app, "replay", Language::replay, [hint].into_iter().chain(SPEEDS.map(item)).collect()).attr("id", "log-replay")
+    menu(app, "replay", Language::replay, [hint].into_iter().chain(SPEEDS.map(item)).collect())
 }
 
 /// Tells that the list is not the line's, and how far it has come.
