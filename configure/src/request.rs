@@ -5,7 +5,7 @@ use buslens_codec::line::Mode;
 use buslens_codec::pdu::{Request, Response, unpack_bits};
 use buslens_codec::profile::{Group, Point, Profile};
 use buslens_codec::value::Encoding;
-use buslens_codec::{UnitId, adu, ascii, rtu};
+use buslens_codec::{adu, ascii, rtu};
 
 use crate::{Reach, Read};
 
@@ -60,11 +60,13 @@ pub(crate) fn blocks(profile: &Profile, points: &[&Point], refused: &[Group]) ->
     all
 }
 
-/// Whether a device refuses a read, of which it may have been told in other words.
+/// Whether a device refuses a read. Where nobody promises anything, what lies within a refused one is not tried either.
 fn is_refused(group: &Group, refused: &[Group]) -> bool {
-    refused
-        .iter()
-        .any(|known| (known.function, known.address, known.quantity) == (group.function, group.address, group.quantity))
+    let end = |group: &Group| u32::from(group.address) + u32::from(group.quantity);
+    refused.iter().filter(|known| known.function == group.function).any(|known| {
+        let same = (known.address, known.quantity) == (group.address, group.quantity);
+        same || group.tentative && known.address <= group.address && end(group) <= end(known)
+    })
 }
 
 /// The first point and all that follow it without a gap.
@@ -151,14 +153,6 @@ pub(crate) fn answer(mode: Mode, request: &Request, outcome: &Outcome) -> Answer
         Some(Response::ReadCoils { status } | Response::ReadDiscreteInputs { status }) => bits(&status),
         Some(_) => Answer::Written,
         None => Answer::Unclear,
-    }
-}
-
-/// The unit id that a frame comes from.
-pub(crate) fn unit_of(mode: Mode, frame: &[u8]) -> Option<UnitId> {
-    match mode {
-        Mode::Rtu => rtu::decode(frame).ok().map(|adu| adu.unit),
-        Mode::Ascii => ascii::decode(frame).ok().map(|adu| adu.unit),
     }
 }
 
