@@ -50,7 +50,7 @@ pub(crate) fn blocks(profile: &Profile, points: &[&Point], refused: &[Group]) ->
     while let Some(first) = open.first() {
         let covers = |group: &Group| open.iter().filter(|point| group.offset_of(point).is_some()).count();
         let of_profile = profile.groups.iter().filter(|group| group.offset_of(first).is_some());
-        let known = of_profile.copied().chain(side_by_side(&open)).filter(|group| !is_refused(group, refused));
+        let known = of_profile.copied().chain(side_by_side(&open)).filter(|group| !is_refused(*group, refused));
         // Of groups that bring as much the shortest.
         let best = known.max_by_key(|group| (covers(group), u16::MAX - group.quantity));
         let Some(block) = best.filter(|block| covers(block) > 1).or_else(|| single(first)) else { break };
@@ -61,9 +61,9 @@ pub(crate) fn blocks(profile: &Profile, points: &[&Point], refused: &[Group]) ->
 }
 
 /// Whether a device refuses a read. Where nobody promises anything, what lies within a refused one is not tried either.
-fn is_refused(group: &Group, refused: &[Group]) -> bool {
-    let end = |group: &Group| u32::from(group.address) + u32::from(group.quantity);
-    refused.iter().filter(|known| known.function == group.function).any(|known| {
+fn is_refused(group: Group, refused: &[Group]) -> bool {
+    let end = |group: Group| u32::from(group.address) + u32::from(group.quantity);
+    refused.iter().copied().filter(|known| known.function == group.function).any(|known| {
         let same = (known.address, known.quantity) == (group.address, group.quantity);
         same || group.tentative && known.address <= group.address && end(group) <= end(known)
     })
@@ -84,8 +84,8 @@ fn side_by_side(points: &[&Point]) -> Option<Group> {
 }
 
 /// The request of a read.
-pub(crate) fn read_request(group: &Group) -> Option<Request> {
-    let Group { function, address, quantity, .. } = *group;
+pub(crate) fn read_request(group: Group) -> Option<Request> {
+    let Group { function, address, quantity, .. } = group;
     match function {
         1 => Some(Request::ReadCoils { address, quantity }),
         2 => Some(Request::ReadDiscreteInputs { address, quantity }),
@@ -157,7 +157,7 @@ pub(crate) fn answer(mode: Mode, request: &Request, outcome: &Outcome) -> Answer
 }
 
 /// A point's own among what a read has brought.
-pub(crate) fn part_of(group: &Group, point: &Point, registers: &[u16]) -> Option<Vec<u16>> {
+pub(crate) fn part_of(group: Group, point: &Point, registers: &[u16]) -> Option<Vec<u16>> {
     let offset = group.offset_of(point)?;
     registers.get(offset..)?.get(..point.encoding.registers()).map(<[u16]>::to_vec)
 }

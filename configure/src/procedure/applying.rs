@@ -8,10 +8,10 @@ use buslens_codec::profile::{Effect, Point, Profile};
 use super::desk::{Desk, Stop};
 use super::finding::{search, signs};
 use super::reading::{TRIES, read_group, read_points};
-use super::transaction::{Failure, Transaction};
+use super::transaction::{Failure, Transaction, place};
 use super::{Scope, Way};
 use crate::edit::own_bits;
-use crate::request::{Answer, holds, single};
+use crate::request::{Answer, holds, read_request, single};
 use crate::snapshot::{is_of_factory, parameters};
 use crate::{
     Difference, Edit, Ending, Hazard, Journal, JournalStep, Phase, Plan, Reach, Read, Report, Snapshot, StepOutcome,
@@ -127,7 +127,7 @@ async fn read_again(desk: &Desk, profile: &Profile, have: &mut Have, edits: &[Ed
     if readable.is_empty() {
         // A command needs somebody who hears it.
         for sign in signs(profile) {
-            let answer = read_group(desk, shown.reach, &sign, TRIES).await?;
+            let answer = read_group(desk, shown.reach, sign, TRIES).await?;
             have.answered |= matches!(answer, Answer::Registers(_) | Answer::Refused(_));
             if have.answered {
                 break;
@@ -156,8 +156,7 @@ async fn check_free(desk: &Desk, profile: &Profile, plan: &Plan) -> Result<(), E
         if !desk.enter(*target).await.map_err(stopped)? {
             return Err(Ending::PortRefuses(*target));
         }
-        let request = crate::request::read_request(&sign);
-        let Some(request) = request else { continue };
+        let Some(request) = read_request(sign) else { continue };
         // Noise is not heard twice.
         for last in [false, true] {
             let answer = desk.ask(*target, &request, Some(desk.full_wait(*target))).await.map_err(stopped)?;
@@ -180,10 +179,7 @@ async fn undo_or_tell(desk: &Desk, transaction: &mut Transaction<'_>, failure: F
     let (why, stop) = match failure {
         Failure::Step(why) if why.outcome == StepOutcome::Unproven => return Ending::Unproven(why),
         Failure::Step(why) => (why, None),
-        Failure::Stop(step, stop) => {
-            let step = u32::try_from(step).unwrap_or(u32::MAX);
-            (Why { step, outcome: StepOutcome::NotSent }, Some(stop))
-        }
+        Failure::Stop(index, stop) => (Why { step: place(index), outcome: StepOutcome::NotSent }, Some(stop)),
     };
     match stop {
         Some(Stop::Gone) => return Ending::Interrupted,
@@ -264,8 +260,8 @@ async fn go_on(desk: &Desk, transaction: &mut Transaction<'_>, way: Way) -> Endi
     let mut reaches = plan.reaches();
     reaches.extend(transaction.journal.candidates());
     transaction.journal.reaches = reaches;
-    let place = |point: &str| transaction.steps.iter().position(|step| step.point == point);
-    let wanted = plan.steps.iter().filter_map(|step| Some((place(&step.point)?, step.after.clone())));
+    let index_of = |point: &str| transaction.steps.iter().position(|step| step.point == point);
+    let wanted = plan.steps.iter().filter_map(|step| Some((index_of(&step.point)?, step.after.clone())));
     let wanted: Vec<(usize, Vec<u16>)> = wanted.collect();
     match transaction.run(&wanted).await {
         Ok(()) => {}
@@ -273,9 +269,8 @@ async fn go_on(desk: &Desk, transaction: &mut Transaction<'_>, way: Way) -> Endi
         Err(Failure::Step(why)) => return told(transaction, why),
         Err(Failure::Stop(_, Stop::Gone)) => return Ending::Interrupted,
         Err(Failure::Stop(_, stop)) if desk.writes() == 0 => return stopped(stop),
-        Err(Failure::Stop(step, _)) => {
-            let step = u32::try_from(step).unwrap_or(u32::MAX);
-            return told(transaction, Why { step, outcome: StepOutcome::NotSent });
+        Err(Failure::Stop(index, _)) => {
+            return told(transaction, Why { step: place(index), outcome: StepOutcome::NotSent });
         }
     }
     if way == Way::Undo {
@@ -287,9 +282,8 @@ async fn go_on(desk: &Desk, transaction: &mut Transaction<'_>, way: Way) -> Endi
         return Ending::Undone;
     }
     let unproven = transaction.steps.iter().position(|step| step.outcome == StepOutcome::Unproven);
-    unproven.map_or(Ending::Done, |step| {
-        Ending::Unproven(Why { step: u32::try_from(step).unwrap_or(u32::MAX), outcome: StepOutcome::Unproven })
-    })
+    let why = |index| Why { step: place(index), outcome: StepOutcome::Unproven };
+    unproven.map_or(Ending::Done, |index| Ending::Unproven(why(index)))
 }
 
 /// How a journal's step stands in the device, and what is still to be written for it.

@@ -429,13 +429,11 @@ impl Desk {
             }
             None
         });
-        match seen.await {
-            Some(outcome) => outcome,
-            None => {
-                self.0.borrow_mut().orders.push_back(Order::Withdraw(id));
-                Err(Stop::Gone)
-            }
+        if let Some(outcome) = seen.await {
+            return outcome;
         }
+        self.0.borrow_mut().orders.push_back(Order::Withdraw(id));
+        Err(Stop::Gone)
     }
 }
 

@@ -120,7 +120,7 @@ fn probes(profile: &Profile, scope: &Scope) -> VecDeque<Probe> {
 pub(super) async fn is_there(desk: &Desk, profile: &Profile, reach: Reach) -> Result<Answer, Stop> {
     let mut answer = Answer::Silence;
     for group in signs(profile) {
-        let Some(request) = read_request(&group) else { continue };
+        let Some(request) = read_request(group) else { continue };
         answer = desk.ask(reach, &request, Some(desk.short_wait(reach))).await?;
         if !matches!(answer, Answer::Refused(_)) {
             break;
@@ -130,7 +130,7 @@ pub(super) async fn is_there(desk: &Desk, profile: &Profile, reach: Reach) -> Re
 }
 
 async fn discover(desk: &Desk, profile: &Profile, reach: Reach, way: usize) -> Result<Answer, Stop> {
-    match profile.discovery.get(way).and_then(read_request) {
+    match profile.discovery.get(way).copied().and_then(read_request) {
         Some(request) => desk.ask(reach, &request, Some(desk.short_wait(reach))).await,
         None => Ok(Answer::Silence),
     }

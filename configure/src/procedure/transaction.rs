@@ -351,7 +351,7 @@ impl<'a> Transaction<'a> {
             for (at, reach) in reaches.iter().enumerate() {
                 // Where it should be a reply may be lost.
                 let tries = if at == 0 && round == 0 { TRIES - 1 } else { 1 };
-                let read = match read_group(self.desk, *reach, &group, tries).await? {
+                let read = match read_group(self.desk, *reach, group, tries).await? {
                     Answer::Registers(registers) => Read::Registers(registers),
                     Answer::Refused(code) => Read::Refused(code),
                     _ => continue,
@@ -373,7 +373,7 @@ impl<'a> Transaction<'a> {
             found = search(self.desk, &Scope { reaches: Vec::new(), everywhere: true, units: others }).await?.found;
         }
         let Some(reach) = found else { return Ok(None) };
-        let read = match read_group(self.desk, reach, &group, TRIES).await? {
+        let read = match read_group(self.desk, reach, group, TRIES).await? {
             Answer::Registers(registers) => Read::Registers(registers),
             Answer::Refused(code) => Read::Refused(code),
             _ => Read::NoAnswer,
@@ -404,12 +404,10 @@ impl<'a> Transaction<'a> {
                 Some((*index, profile.point(&step.point).filter(|point| single(point).is_some())?, registers))
             })
             .collect();
-        let loses = |point: &Point| {
-            let lost = |effect: &Effect| matches!(effect, Effect::Defaults | Effect::Search);
-            point.effects.iter().any(lost)
-        };
-        let lost = wanted.iter().filter_map(|(index, _)| profile.point(&self.steps.get(*index)?.point)).any(loses);
-        if written.is_empty() || lost {
+        let loses =
+            |point: &Point| point.effects.iter().any(|effect| matches!(effect, Effect::Defaults | Effect::Search));
+        let is_gone = wanted.iter().filter_map(|(index, _)| profile.point(&self.steps.get(*index)?.point)).any(loses);
+        if written.is_empty() || is_gone {
             return Ok(());
         }
         self.desk.progress(Phase::Verifying, 0, 0, None);
@@ -469,6 +467,6 @@ struct Proof<'a> {
     acknowledged: bool,
 }
 
-fn place(index: usize) -> u32 {
+pub(super) fn place(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -1,13 +1,15 @@
 //! A procedure, a master and a simulated line in virtual time.
 
 // Each test file uses a part of it.
-#![allow(dead_code, unreachable_pub)]
+#![allow(dead_code, unreachable_pub, unused_imports)]
+
+mod sensors;
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 use buslens_bus::record::{End, Outcome};
-use buslens_bus::sim::{Course, Described, Device as Sim, GaugeCable, Level, Line as Wire, Lvdt, Motion};
+use buslens_bus::sim::Line as Wire;
 use buslens_bus::time::Instant;
 use buslens_bus::{Config, Event, Exchange, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
 use buslens_codec::UnitId;
@@ -16,8 +18,10 @@ use buslens_codec::profile::{BUILT_IN, Profile};
 use buslens_codec::{ascii, rtu};
 use buslens_configure::{
     AuditEntry, Device, Edit, Hazard, Journal, Line, Order, Plan, Port, Procedure, Progress, Reach, Read, Report,
-    Snapshot, Task, Way,
+    Snapshot, StepOutcome, Task, Way,
 };
+
+pub use sensors::{Simulated, sensor};
 
 /// When a bench begins.
 pub const START: Instant = Instant::from_micros(20_000_000);
@@ -30,68 +34,6 @@ pub fn file(id: &str) -> &'static str {
 
 pub fn profile(id: &str) -> Profile {
     Profile::from_json(file(id)).unwrap()
-}
-
-/// A sensor of each kind with factory settings.
-pub fn sensor(id: &str) -> Box<dyn Simulated> {
-    match id {
-        "lvdt" => Box::new(Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 })),
-        "gauge-cable" => Box::new(GaugeCable::new(1, Course::Rest(1234), Instant::ZERO)),
-        "level" => Box::new(Level::new(1, Course::Rest(4321))),
-        other => panic!("nobody simulates {other}"),
-    }
-}
-
-/// What the tests do to a sensor beside talking with it.
-pub trait Simulated: Sim {
-    /// Its supply was cut and has come back.
-    fn cut_power(&mut self, now: Instant);
-}
-
-impl Simulated for Lvdt {
-    fn cut_power(&mut self, now: Instant) {
-        self.power_cycle(now);
-    }
-}
-
-impl Simulated for Level {
-    fn cut_power(&mut self, _: Instant) {
-        self.power_cycle();
-    }
-}
-
-impl Simulated for GaugeCable {
-    fn cut_power(&mut self, now: Instant) {
-        *self = Self::new(1, Course::Rest(1234), now);
-    }
-}
-
-impl Simulated for Described {
-    fn cut_power(&mut self, _: Instant) {}
-}
-
-impl Sim for Box<dyn Simulated> {
-    fn line(&self) -> LineSettings {
-        self.as_ref().line()
-    }
-
-    fn mode(&self) -> Mode {
-        self.as_ref().mode()
-    }
-
-    fn is_listening(&self, now: Instant) -> bool {
-        self.as_ref().is_listening(now)
-    }
-
-    fn serve(&mut self, now: Instant, unit: UnitId, pdu: &[u8]) -> Option<buslens_bus::sim::Reply> {
-        self.as_mut().serve(now, unit, pdu)
-    }
-}
-
-impl Simulated for Box<dyn Simulated> {
-    fn cut_power(&mut self, now: Instant) {
-        self.as_mut().cut_power(now);
-    }
 }
 
 /// What goes wrong with a write.
@@ -118,6 +60,7 @@ impl Trouble {
     ];
 }
 
+#[allow(clippy::struct_excessive_bools)] // switches and lamps, each on its own
 pub struct Bench<D: Simulated = Box<dyn Simulated>> {
     pub master: Master,
     pub wire: Wire<D>,
@@ -139,6 +82,10 @@ pub struct Bench<D: Simulated = Box<dyn Simulated>> {
     /// Goes wrong with the write after so many others.
     pub trouble: Option<(usize, Trouble)>,
     pub reloaded: bool,
+    /// What should go wrong has.
+    pub has_struck: bool,
+    /// How often a procedure has had something sent.
+    pub asked: usize,
     writes: usize,
     /// When the write is carried out, and the reply has not come.
     strikes_at: Option<(Instant, Trouble)>,
@@ -177,6 +124,8 @@ impl<D: Simulated> Bench<D> {
             unplugged: false,
             trouble: None,
             reloaded: false,
+            has_struck: false,
+            asked: 0,
             writes: 0,
             strikes_at: None,
             settings: (profile.line, profile.mode),
@@ -403,6 +352,7 @@ impl<D: Simulated> Bench<D> {
         let is_write = matches!(function_of(self.settings.1, bytes), Some(5 | 6 | 15 | 16));
         let trouble = self.trouble.filter(|(place, _)| is_write && *place == self.writes).map(|(_, trouble)| trouble);
         self.writes += usize::from(is_write);
+        self.has_struck |= trouble.is_some();
         let faults = &mut self.wire.faults;
         let (line, _) = self.settings;
         let carried_out = self.now + line.character_time(bytes.len()) + line.frame_gap() + Duration::from_millis(1);
@@ -472,6 +422,7 @@ impl<D: Simulated> Bench<D> {
                 let job = Job::raw(bytes, wait_ms.map(|wait| Duration::from_millis(wait.into())));
                 let job = self.master.submit(self.now, job);
                 self.jobs.insert(id, job);
+                self.asked += 1;
             }
             Order::Withdraw(id) => {
                 if self.jobs.get(&id).is_some_and(|job| self.master.withdraw(*job)) {
@@ -519,6 +470,38 @@ impl<D: Simulated> Bench<D> {
     pub fn assert_polls(&mut self, report: &Report) {
         assert_eq!(report.reach, Some(self.truth(0).0), "the report's reach is the truth");
         assert!(self.poll_for(Duration::from_secs(5)) > 2, "the device is not polled: {:?}", self.settings);
+    }
+
+    /// Everything that the report claims to know is so.
+    #[track_caller]
+    pub fn assert_true(&mut self, report: &Report) {
+        let (reach, held) = self.truth(0);
+        if let Some(claimed) = report.reach {
+            assert_eq!(claimed, reach, "{:?}", report.ending);
+        }
+        if let Some(snapshot) = &report.snapshot {
+            self.assert_snapshot(snapshot);
+        }
+        for step in &report.steps {
+            let holds = |registers: &[u16]| held.get(&step.point).is_none_or(|held| held == registers);
+            let so = match &step.outcome {
+                StepOutcome::Confirmed => holds(&step.after),
+                StepOutcome::Undone => step.before.as_ref().is_none_or(|before| holds(before)),
+                StepOutcome::NotHeld(Read::Registers(registers)) => holds(registers),
+                StepOutcome::Waiting | StepOutcome::NotSent if report.reach.is_some() => {
+                    step.before.as_ref().is_none_or(|before| holds(before))
+                }
+                _ => true,
+            };
+            assert!(so, "{step:?} in {:?}, and it holds {:?}", report.ending, held.get(&step.point));
+        }
+        let kept = self.journals.keys().next().copied();
+        assert_eq!(report.journal, kept, "the journal that is open is kept: {:?}", report.ending);
+    }
+
+    /// This goes wrong with the write after so many others.
+    pub fn trouble_after(&mut self, writes: usize, trouble: Trouble) {
+        self.trouble = Some((self.writes + writes, trouble));
     }
 
     /// What the report's snapshot says is what the device holds.
