@@ -8,9 +8,10 @@ use proptest::prelude::*;
 
 use super::Console;
 use super::playback::Playback;
-use crate::line::{End, FromLine, LineState, Outcome, Signals, ToLine};
+use crate::line::{End, FromLine, LineState, Outcome, PortState, Signals, ToLine};
 use crate::message::{FromConsole, ProfileChoice, Repeat, Sending, ToConsole, Until};
 
+mod configuring;
 mod sequences;
 
 const LINE: LineSettings = LineSettings::new(9600, Parity::Even);
@@ -25,6 +26,7 @@ fn ms(milliseconds: u64) -> Instant {
 fn state(replay: bool) -> LineState {
     LineState {
         open: true,
+        port: PortState::Open,
         replay,
         simulated: false,
         line: LINE,
