@@ -185,6 +185,25 @@ fn the_gauge_refuses_what_its_manual_does_not_know() {
 fn the_gauge_says_no_more_than_its_format_holds() {
     let mut bench = gauge(Course::Rest(-70_000));
     assert_eq!(registers(&mut bench, 1, read(0x0000, 2)), [0x0100, 0xFFFF]);
+    let now = bench.now;
+    bench.sensor().set_course(now, Course::Rest(65_535));
+    assert_eq!(registers(&mut bench, 1, read(0x0000, 2)), [0x0000, 0xFFFF]);
+    bench.sensor().set_course(now, Course::Rest(65_536));
+    let all = [0x0000, 0x0100, 0x0200, 0x0300].map(|register| registers(&mut bench, 1, read(register, 2)));
+    assert_eq!(all, [[0, 0xFFFF], [0, 0xFFFF], [0x0100, 0xFFFF], [0, 0xFFFF]], "the range as well");
+}
+
+#[test]
+fn the_cable_forgets_its_record_without_its_supply_and_the_gauge_keeps_its_zero() {
+    let mut bench = gauge(Course::Rest(1000));
+    assert!(is_echoed(&mut bench, 1, ZERO_GAUGE));
+    let now = bench.now;
+    bench.sensor().set_course(now, Course::Rest(1800));
+    bench.sensor().set_course(now, Course::Rest(1300));
+    assert_eq!(registers(&mut bench, 1, read(0x0100, 2)), [0, 800]);
+    bench.power_cycle();
+    let all = [0x0000, 0x0100, 0x0200, 0x0300].map(|register| registers(&mut bench, 1, read(register, 2))[1]);
+    assert_eq!(all, [300, 300, 300, 0]);
 }
 
 #[test]
@@ -291,15 +310,17 @@ fn a_restore_brings_back_what_was_saved_to_the_factory_area() {
     assert!(is_echoed(&mut bench, 1, write(0x000C, 50)));
     assert!(is_echoed(&mut bench, 1, write(0, 9)));
     // Unsaved: gone with the supply, unless the device keeps it.
-    bench.sensor().power_cycle();
+    bench.power_cycle();
     assert_eq!(registers(&mut bench, 1, read(4, 1)), [100]);
+    assert_eq!(bench.sensor().flash_writes(), 0);
     bench.sensor().keeps_unsaved = true;
     assert!(is_echoed(&mut bench, 1, write(0x000C, 50)));
-    bench.sensor().power_cycle();
+    bench.power_cycle();
     assert_eq!(registers(&mut bench, 1, read(4, 1)), [150]);
     bench.sensor().keeps_unsaved = false;
     assert!(is_echoed(&mut bench, 1, write(0x000F, 0)));
-    bench.sensor().power_cycle();
+    assert_eq!(bench.sensor().flash_writes(), 2);
+    bench.power_cycle();
     assert_eq!(registers(&mut bench, 1, read(4, 1)), [150]);
     // The restore is answered at the old settings, and then everything is as it left the factory.
     assert!(is_echoed(&mut bench, 1, write(0, 9)) && is_echoed(&mut bench, 9, write(1, 4)));
@@ -312,6 +333,39 @@ fn a_restore_brings_back_what_was_saved_to_the_factory_area() {
     assert!(is_echoed(&mut bench, 1, write(0x000C, 7)) && is_echoed(&mut bench, 1, write(0x000F, 1)));
     assert!(is_echoed(&mut bench, 1, write(0x000C, 0)) && is_echoed(&mut bench, 1, write(0x0010, 1)));
     assert_eq!(registers(&mut bench, 1, read(4, 1)), [107]);
+}
+
+#[test]
+fn a_restore_may_bring_another_address_and_baud_rate() {
+    let mut bench = level(Course::Rest(100));
+    assert!(
+        [(0, 77), (1, 5), (0xC, 3)].iter().all(|&(register, value)| bench.sensor().preset_factory(register, value))
+    );
+    assert!(!bench.sensor().preset_factory(1, 8) && !bench.sensor().preset(0x0004, 1));
+    // Until then nothing shows it, not even a power failure.
+    bench.power_cycle();
+    assert_eq!(registers(&mut bench, 1, read(0, 2)), [1, 3]);
+    assert!(is_echoed(&mut bench, 1, write(0x0010, 1)));
+    assert!(is_silent(&mut bench, 1, READ_BAUD) && is_silent(&mut bench, 77, READ_BAUD));
+    bench.reopen(LineSettings::new(38_400, Parity::None), Mode::Rtu);
+    assert_eq!(registers(&mut bench, 77, read(0, 2)), [77, 5]);
+    assert_eq!(registers(&mut bench, 77, read(4, 1)), [103]);
+    bench.power_cycle();
+    assert_eq!(registers(&mut bench, 77, read(0, 2)), [77, 5], "it is what the user has now");
+}
+
+#[test]
+fn the_two_areas_of_a_level_transmitter_are_apart() {
+    let mut bench = level(Course::Rest(0));
+    let offset = |bench: &mut Bench<Level>| registers(bench, 1, read(0xC, 1))[0];
+    assert!(is_echoed(&mut bench, 1, write(0xC, 10)) && is_echoed(&mut bench, 1, write(0xF, 1)));
+    assert!(is_echoed(&mut bench, 1, write(0xC, 20)) && is_echoed(&mut bench, 1, write(0xF, 0)));
+    assert!(is_echoed(&mut bench, 1, write(0xC, 30)));
+    assert_eq!(offset(&mut bench), 30);
+    bench.power_cycle();
+    assert_eq!(offset(&mut bench), 20);
+    assert!(is_echoed(&mut bench, 1, write(0x10, 1)));
+    assert_eq!(offset(&mut bench), 10);
 }
 
 #[test]
@@ -413,6 +467,30 @@ fn a_device_of_a_profile_takes_what_the_profile_allows() {
     bench.reopen(Profile::from_json(STRANGER).unwrap().line, Mode::Rtu);
     assert!(is_silent(&mut bench, 42, read(110, 1)));
     assert_eq!(registers(&mut bench, 42, read(110, 1)), [5]);
+}
+
+#[test]
+fn a_device_of_a_profile_can_be_in_any_state() {
+    let mut bench = stranger();
+    assert!(bench.sensor().preset(110, 25) && bench.sensor().preset(100, 1), "also what nobody may write");
+    // No such register, a value that it does not take, a code that nobody knows, a table that is not meant.
+    for (register, value) in [(103, 1), (110, 4), (102, 1), (0, 1)] {
+        assert!(!bench.sensor().preset(register, value), "{register} {value}");
+    }
+    assert_eq!(registers(&mut bench, 42, read(110, 1)), [25]);
+    assert_eq!(registers(&mut bench, 42, read(102, 1)), [192]);
+    assert!(bench.sensor().preset(101, 7) && bench.sensor().preset(102, 96));
+    assert!(is_silent(&mut bench, 42, read(110, 1)));
+    let line = LineSettings { baud: 9600, ..Profile::from_json(STRANGER).unwrap().line };
+    bench.reopen(line, Mode::Rtu);
+    assert_eq!(registers(&mut bench, 7, read(101, 2)), [7, 96]);
+    assert_eq!(bench.sensor().flash_writes(), 0);
+    assert!(is_echoed(&mut bench, 7, write(110, 30)));
+    assert_eq!(bench.sensor().flash_writes(), 1);
+    // It is deaf for a while after a power failure, and is then as it was.
+    bench.power_cycle();
+    assert!(is_silent(&mut bench, 7, read(110, 1)));
+    assert_eq!(registers(&mut bench, 7, read(110, 1)), [30]);
 }
 
 #[test]

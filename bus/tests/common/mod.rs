@@ -64,6 +64,11 @@ impl<D: Device> Bench<D> {
         self.line.device_mut(0).unwrap()
     }
 
+    /// Cuts the supply of the line for a moment.
+    pub fn power_cycle(&mut self) {
+        self.line.power_cycle(self.now);
+    }
+
     /// Opens the port anew with other settings.
     pub fn reopen(&mut self, line: LineSettings, mode: Mode) {
         self.master = Master::new(Config::new(line, mode));
