@@ -22,6 +22,8 @@ pub(crate) enum ToEngine {
     Disconnect,
     /// The user has granted a port: look again.
     PortsChanged,
+    /// Let only reads out of the port, or everything: also of ports that are opened later.
+    ReadOnly(bool),
     /// The console's worker is there. Beside it: the channel to it.
     Attach,
 }
@@ -35,6 +37,8 @@ pub(crate) enum ToWindow {
     Status(Status),
     /// The connection as it is now, which the console may have changed. Sent when something in it has changed.
     Line(Line),
+    /// Whether only reads are let out from now on, whoever has wanted it so.
+    ReadOnly(bool),
     /// The engine has failed for good; its worker must be ended, which closes the port.
     Panicked(String),
 }
@@ -99,8 +103,6 @@ pub(crate) struct Line {
     pub connection: Connection,
     /// Whether the device is polled.
     pub polling: bool,
-    /// Whether only reads are let out.
-    pub read_only: bool,
 }
 
 /// Where the bytes go.

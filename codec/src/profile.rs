@@ -140,6 +140,16 @@ impl Profile {
         self.groups_of(referred.chain(measured()))
     }
 
+    /// The reads that bring what measurements are seen with, such as limits and offsets: parameters that [`Self::live_groups`]
+    /// leave out and that do not set the line.
+    pub fn context_groups(&self) -> Vec<Group> {
+        let live = self.live_groups();
+        let beside = |point: &&Point| point.role == Role::Parameter && point.effects.is_empty();
+        let mut context = self.groups_of(self.points.iter().filter(beside));
+        context.retain(|group| !live.contains(group));
+        context
+    }
+
     /// The reads that bring these points, in their order, each once; points that cannot be read are left out.
     pub fn groups_of<'a>(&self, points: impl IntoIterator<Item = &'a Point>) -> Vec<Group> {
         let mut reads: Vec<Group> = Vec::new();
@@ -231,6 +241,15 @@ mod tests {
             built_in("lvdt").live_groups().iter().map(|group| (group.address, group.quantity)).collect();
         assert_eq!(reads, [(2, 4)]);
         assert_eq!(built_in("gauge-cable").live_groups().len(), 4);
+    }
+
+    #[test]
+    fn what_measurements_are_seen_with_is_read_beside_them() {
+        let registers =
+            |id| built_in(id).context_groups().iter().map(|group| (group.address, group.quantity)).collect::<Vec<_>>();
+        assert_eq!(registers("level"), [(5, 1), (6, 1), (0xC, 1)]);
+        assert_eq!(registers("lvdt"), [(0x34, 1), (0x3F, 1)]);
+        assert_eq!(registers("gauge-cable"), []);
     }
 
     #[test]

@@ -41,6 +41,8 @@ pub(crate) enum Icon {
     Reset,
     /// A plug: port.
     Plug,
+    /// A padlock: only reads.
+    Lock,
     /// An arrow to the right: go there.
     Go,
     /// A sheet with a folded corner: a file.
@@ -70,6 +72,7 @@ impl Icon {
             Self::Info => "M9 2.2a6.8 6.8 0 1 0 0 13.6 6.8 6.8 0 1 0 0-13.6zM9 8.2v4.3M9 5.5v.1",
             Self::Reset => "M3.5 3.5v4h4M3.9 7.5A6 6 0 1 1 3.2 11",
             Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",
+            Self::Lock => "M4 8h10v7.5H4zM6 8V5.5a3 3 0 0 1 6 0V8M9 11v1.6",
             Self::Go => "M3 9h11M10 5l4 4-4 4",
             Self::File => "M4.5 2.5h6l3 3v10h-9zM10.5 2.5v3h3",
         }
