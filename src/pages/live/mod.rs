@@ -6,6 +6,7 @@ mod exchange;
 mod faults;
 mod figures;
 mod trend_strip;
+mod units;
 mod wiring;
 
 use crate::reactive::prelude::*;
@@ -19,6 +20,7 @@ use crate::serial;
 use crate::text::Language;
 pub(crate) use exchange::exchange_halves;
 use faults::Facts;
+use units::Units;
 
 /// The page.
 pub(crate) fn live_page(app: &'static App) -> El {
@@ -59,11 +61,12 @@ pub(crate) fn connect_above(app: &'static App) -> El {
 }
 
 fn session_view(app: &'static App) -> El {
+    let units = Units::of(app.settings.device());
     el("div")
         .class("session")
-        .child(figures::figures(app))
+        .child(figures::figures(app, units))
         .child(counters::counts(app))
-        .child(trend_strip::trend_strip(app))
+        .child(trend_strip::trend_strip(app, units))
         .child(exchange::last_exchange(app))
 }
 
