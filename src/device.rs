@@ -1,6 +1,6 @@
 //! The built-in devices: profiles with what the page needs of them.
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use buslens_codec::line::{LineSettings, Mode};
 use buslens_codec::profile::{BUILT_IN, Point, Profile, Texts, Wire};
@@ -14,12 +14,26 @@ static DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
     // Packed by this package's build script from the files that the codec's tests load.
     let packed: Vec<&'static [u8]> =
         postcard::from_bytes(include_bytes!(concat!(env!("OUT_DIR"), "/profiles"))).unwrap_or_default();
-    packed
-        .into_iter()
-        .enumerate()
-        .filter_map(|(place, packed)| Profile::unpack(packed).map(|profile| Device { place, packed, profile }))
-        .collect()
+    if cfg!(test) {
+        keep_whole();
+    }
+    let profile = |place: usize, packed: &[u8]| {
+        let whole = WHOLE.get().and_then(|whole| whole(place));
+        whole.or_else(|| Profile::unpack(packed))
+    };
+    let places = packed.into_iter().enumerate();
+    places.filter_map(|(place, packed)| Some(Device { place, packed, profile: profile(place, packed)? })).collect()
 });
+
+/// Brings a whole profile, where [`keep_whole`] has been called.
+static WHOLE: OnceLock<fn(usize) -> Option<Profile>> = OnceLock::new();
+
+/// From here on this program's devices have whole profiles, with their notes and help, not just what is essential. Call it
+/// first. The first program does without: it would carry all texts and their loader.
+pub(crate) fn keep_whole() {
+    // Nobody minds that it has been called before.
+    let _ = WHOLE.set(|place| Profile::from_json(BUILT_IN.get(place)?).ok());
+}
 
 /// A device that can be chosen.
 pub(crate) struct Device {
@@ -60,7 +74,7 @@ impl Device {
         self.packed
     }
 
-    /// Its profile.
+    /// Its profile; in the first program what is essential of it.
     pub(crate) fn profile(&self) -> &Profile {
         &self.profile
     }
@@ -174,6 +188,8 @@ mod tests {
     #[test]
     fn every_built_in_profile_is_a_device_with_a_measurement() {
         assert_eq!(all().len(), BUILT_IN.len());
+        assert!(all().iter().all(|device| !device.profile().help.is_empty()));
+        assert!(all().iter().all(|device| device.packed() == device.profile().pack()));
         for device in all() {
             assert!(std::ptr::eq(find(device.id()), device));
             assert!(!device.measurements().is_empty(), "{}", device.id());

@@ -12,6 +12,7 @@ use web_sys::{Element, MessageChannel, Worker};
 use crate::ambient::Ambient;
 use crate::analyst::Analyst;
 use crate::crash;
+use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
 use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
@@ -149,6 +150,7 @@ fn start(language: Language, beside: JsValue) {
     let parts: Array = beside.unchecked_into();
     let tell: Function = parts.get(0).unchecked_into();
     ENGINE.set(parts.get(1).dyn_into().ok());
+    device::keep_whole();
     crash::watch(move |details| {
         // The first program draws the page of the crash; there is nobody else to tell.
         let _ = tell.call1(&JsValue::UNDEFINED, &details.into());
