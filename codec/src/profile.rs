@@ -135,6 +135,7 @@ impl Profile {
             point.consequence = None;
             for code in &mut point.codes {
                 code.consequence = None;
+                code.leaves = None;
             }
         }
         self
@@ -186,9 +187,9 @@ impl Profile {
         };
         let side = |(first, last): (Value, Value)| {
             if value.compare(first)?.is_lt() {
-                return Some(Beyond::Below);
+                return Some(Beyond::Below(first));
             }
-            value.compare(last)?.is_gt().then_some(Beyond::Above)
+            value.compare(last)?.is_gt().then_some(Beyond::Above(last))
         };
         own.and_then(side).or_else(|| told().and_then(side))
     }
@@ -304,14 +305,15 @@ mod tests {
             }
         };
         let side = |text, first, last| level.beyond(value, number(text), reading(first, last));
-        assert_eq!(side("6.000", "0.000", "5.000"), Some(Beyond::Above));
+        assert_eq!(side("6.000", "0.000", "5.000"), Some(Beyond::Above(number("5.000"))));
         assert_eq!(side("5.000", "0.000", "5.000"), None);
-        assert_eq!(side("-0.001", "0.000", "5.000"), Some(Beyond::Below));
-        assert_eq!(side("-0.001", "5.000", "0.000"), Some(Beyond::Below));
+        assert_eq!(side("-0.001", "0.000", "5.000"), Some(Beyond::Below(number("0.000"))));
+        assert_eq!(side("-0.001", "5.000", "0.000"), Some(Beyond::Below(number("0.000"))));
         assert_eq!(level.beyond(value, number("6.000"), |_| None), None);
         let gauge = built_in("gauge-cable");
         assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), number("-65.535"), |_| None), None);
-        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(70.0), |_| None), Some(Beyond::Above));
+        let most = Some(Beyond::Above(number("65.535")));
+        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(70.0), |_| None), most);
         assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(f32::NAN), |_| None), None);
     }
 
