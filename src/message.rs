@@ -57,6 +57,36 @@ pub(crate) enum ToWorkbench {
     Device(Option<(String, u8)>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
+    /// Show what can be done with the device that is being read, or nothing. Beside it: the element that it is to stand in.
+    Handling(Option<Live>),
+    /// Show what the device has been made to be. Beside it: the element that it is to stand in.
+    Marks,
+}
+
+/// The device that is being read, as the Live page shows it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::struct_excessive_bools)] // lamps, each on its own
+pub(crate) struct Live {
+    /// The device's profile id.
+    pub device: String,
+    /// Its unit id.
+    pub unit: UnitId,
+    /// Settings of the port.
+    pub line: LineSettings,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// What it has been read to say: only [`Status::readings`] are told.
+    pub status: Status,
+    /// Whether that is what it says now.
+    pub is_current: bool,
+    /// Whether the port is open.
+    pub is_open: bool,
+    /// Whether a recording is played.
+    pub is_replay: bool,
+    /// Whether only reads are let out.
+    pub read_only: bool,
+    /// The symbols of the units in which values are shown, where they can be; separated by spaces.
+    pub units: String,
 }
 
 /// An exchange with what is needed to explain it.

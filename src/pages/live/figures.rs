@@ -1,17 +1,18 @@
 //! The readings: large figures with unit and statistics. Old ones are dimmed and say how old they are.
 
 use crate::reactive::prelude::*;
-use buslens_codec::profile::Point;
+use buslens_codec::profile::{Beyond, Point};
 
 use super::units::Units;
 use crate::app::{App, Phase};
 use crate::components::button::icon_button;
 use crate::components::icon::Icon;
-use crate::device;
+use crate::device::{self, Device};
 use crate::dom::{El, el};
 use crate::format::fixed;
 use crate::history::Statistics;
-use crate::message::Status;
+use crate::loader;
+use crate::message::{Status, ToWorkbench};
 use crate::text::Language;
 
 /// The card with all measurements of the device, the primary one largest.
@@ -35,6 +36,7 @@ pub(super) fn figures(app: &'static App, units: Units) -> El {
             }
             .to_owned()
         }))
+        .child(loader::place(app, || ToWorkbench::Marks, ToWorkbench::Marks))
         .child(el("span").class("space"))
         .child(reset);
     let all = device.measurements().into_iter().map(|point| figure(app, units, point));
@@ -43,6 +45,7 @@ pub(super) fn figures(app: &'static App, units: Units) -> El {
 
 fn figure(app: &'static App, units: Units, point: &'static Point) -> El {
     let stale = move || app.phase.get() != Phase::Reading;
+    let device = app.settings.device();
     let own = move |status: &Status| {
         let value = device::reading(status, &point.id);
         value.map_or_else(|| "\u{2013}".to_owned(), |value| device::value_text(app.language.get(), point, value))
@@ -58,8 +61,23 @@ fn figure(app: &'static App, units: Units, point: &'static Point) -> El {
         app.status.with(|status| units.unit(language, status, point))
     });
     let reading = el("p").class("reading").child(value).child(unit).child(units.choice(app, point));
-    // What the device itself said, where something else is shown; and whether it is beyond its limits.
-    let device = app.settings.device();
+    let beyond = Memo::new(move |_| app.status.with(|status| beyond(device, status, point)));
+    let limit = el("p").class("beyond").test("beyond").attr("role", "status").live_text(move || {
+        let language = app.language.get();
+        app.status.with(|status| {
+            let text = |limit| {
+                let converted = units.conversion(status, point).and_then(|conversion| conversion.text(limit));
+                let value = converted.unwrap_or_else(|| device::value_text(language, point, limit));
+                [&value, " ", &units.unit(language, status, point)].concat()
+            };
+            match beyond.get() {
+                Some(Beyond::Below(least)) => language.below_range(&text(least)),
+                Some(Beyond::Above(most)) => language.above_range(&text(most)),
+                None => String::new(),
+            }
+        })
+    });
+    // What the device itself said, where something else is shown.
     let converted = el("p").class("converted").test("converted").live_text(move || {
         let language = app.language.get();
         app.status.with(|status| {
@@ -78,11 +96,19 @@ fn figure(app: &'static App, units: Units, point: &'static Point) -> El {
         .class(if point.primary { "figure primary" } else { "figure" })
         .test(&["point-", &point.id].concat())
         .state("data-stale", stale)
+        .state("data-beyond", move || beyond.get().is_some())
         .child(el("h3").live_text(move || device::pick(app.language.get(), &point.name).to_owned()))
         .child(reading)
+        .child(limit)
         .child(converted)
         .child(age)
         .child(statistics)
+}
+
+/// On which side of its range a point's last value lies.
+fn beyond(device: &Device, status: &Status, point: &Point) -> Option<Beyond> {
+    let reading = |id: &str| device::reading(status, id);
+    device.profile().beyond(point, reading(&point.id)?, reading)
 }
 
 fn statistic(

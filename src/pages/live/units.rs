@@ -54,16 +54,21 @@ impl Units {
         }
     }
 
+    /// The symbols of the preferred units.
+    pub(super) fn kept(&self) -> String {
+        self.chosen.with(|all| all.iter().map(|unit| unit.symbol()).collect::<Vec<_>>().join(" "))
+    }
+
     /// The list to choose the unit of a point from. One for each quantity: whoever reads inches reads all lengths so.
     pub(super) fn choice(self, app: &'static App, point: &'static Point) -> El {
         let own = Memo::new(move |_| app.status.with(|status| self.own(status, point)));
         let first = move |own: Unit| {
-            let same = |other: &&Point| app.status.with_untracked(|status| self.own(status, other));
+            let same = |other: &Point| app.status.with_untracked(|status| self.own(status, other));
             let first = self
                 .device
                 .measurements()
                 .into_iter()
-                .find(|other| same(&other).is_some_and(|unit| unit.quantity() == own.quantity()));
+                .find(|other| same(other).is_some_and(|unit| unit.quantity() == own.quantity()));
             first.is_some_and(|first| first.id == point.id)
         };
         el("span").class("contents").live_one(move || {
@@ -89,9 +94,7 @@ impl Units {
             all.retain(|other| other.quantity() != unit.quantity());
             all.push(unit);
         });
-        let names =
-            self.chosen.with_untracked(|all| all.iter().map(|unit| unit.symbol()).collect::<Vec<_>>().join(" "));
-        storage::save(&key(self.device), &names);
+        storage::save(&key(self.device), &untrack(|| self.kept()));
     }
 
     /// What the device says that its unit is, if it can be told in another one.
