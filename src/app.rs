@@ -25,6 +25,8 @@ use crate::theme::{self, Theme};
 
 /// Time between two ticks of the page's clock.
 const TICK: Duration = Duration::from_millis(100);
+/// Under this name it is remembered, by this word, that only reads are let out.
+const READ_ONLY: &str = "read-only";
 
 /// Puts the page into the document.
 pub(crate) fn start() {
@@ -161,7 +163,7 @@ impl App {
             status,
             connection: RwSignal::new(None),
             polling: RwSignal::new(true),
-            read_only: RwSignal::new(false),
+            read_only: RwSignal::new(storage::load(READ_ONLY).as_deref() == Some(READ_ONLY)),
             pick_fault: RwSignal::new(None),
             settings: Settings::remembered(),
             demonstrated: StoredValue::default(),
@@ -246,13 +248,17 @@ impl App {
                 self.status.set(status);
             }
             ToWindow::Line(line) => self.hear_line(line),
+            ToWindow::ReadOnly(read_only) => {
+                self.read_only.set(read_only);
+                storage::save(READ_ONLY, if read_only { READ_ONLY } else { "" });
+            }
             // The link has shown the crash page already.
             ToWindow::Panicked(_) => {}
         }
     }
 
     fn hear_line(&self, line: Line) {
-        let Line { connection, polling, read_only } = line;
+        let Line { connection, polling } = line;
         if connection.source == Source::Replay && !self.is_replay() {
             self.forget_readings();
             // The figures are those of the chosen device.
@@ -262,7 +268,6 @@ impl App {
         }
         self.connection.set(Some(connection));
         self.polling.set(polling);
-        self.read_only.set(read_only);
     }
 
     fn forget_readings(&self) {
@@ -278,6 +283,9 @@ fn build() {
     let app: &'static App = Box::leak(Box::new(App::new()));
     tick_while_connected(app);
     link::start(move |message| app.hear(message));
+    if app.read_only.get_untracked() {
+        link::send(&ToEngine::ReadOnly(true));
+    }
     loader::follow(app);
     on_window("pagehide", |_| link::end());
     on_window("resize", |_| app.clock_turn.update(|turn| *turn = turn.wrapping_add(1)));

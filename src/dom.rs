@@ -271,6 +271,11 @@ pub(crate) fn is_open(event: &Event) -> bool {
     event.target().and_then(|target| Reflect::get(&target, &"open".into()).ok()).is_some_and(|open| open.is_truthy())
 }
 
+/// Whether the box that an event came from is ticked.
+pub(crate) fn is_checked(event: &Event) -> bool {
+    event.target().and_then(|target| Reflect::get(&target, &"checked".into()).ok()).is_some_and(|on| on.is_truthy())
+}
+
 /// An attribute of the innermost element around an event's target that has it.
 pub(crate) fn attribute_around(event: &Event, name: &str) -> Option<String> {
     let target = event.target()?.dyn_into::<Element>().ok()?;

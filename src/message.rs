@@ -23,6 +23,8 @@ pub(crate) enum ToEngine {
     Disconnect,
     /// The user has granted a port: look again.
     PortsChanged,
+    /// Let only reads out of the port, or everything: also of ports that are opened later.
+    ReadOnly(bool),
     /// The console's worker is there. Beside it: the channel to it.
     Attach,
 }
@@ -36,6 +38,8 @@ pub(crate) enum ToWindow {
     Status(Status),
     /// The connection as it is now, which the console may have changed. Sent when something in it has changed.
     Line(Line),
+    /// Whether only reads are let out from now on, whoever has wanted it so.
+    ReadOnly(bool),
     /// The engine has failed for good; its worker must be ended, which closes the port.
     Panicked(String),
 }
@@ -54,6 +58,36 @@ pub(crate) enum ToWorkbench {
     Device(Option<(String, u8)>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
+    /// Show what can be done with the device that is being read, or nothing. Beside it: the element that it is to stand in.
+    Handling(Option<Live>),
+    /// Show what the device has been made to be. Beside it: the element that it is to stand in.
+    Marks,
+}
+
+/// The device that is being read, as the Live page shows it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::struct_excessive_bools)] // lamps, each on its own
+pub(crate) struct Live {
+    /// The device's profile id.
+    pub device: String,
+    /// Its unit id.
+    pub unit: UnitId,
+    /// Settings of the port.
+    pub line: LineSettings,
+    /// RTU or ASCII.
+    pub mode: Mode,
+    /// What it has been read to say: only [`Status::readings`] are told.
+    pub status: Status,
+    /// Whether that is what it says now.
+    pub is_current: bool,
+    /// Whether the port is open.
+    pub is_open: bool,
+    /// Whether a recording is played.
+    pub is_replay: bool,
+    /// Whether only reads are let out.
+    pub read_only: bool,
+    /// The symbols of the units in which values are shown, where they can be; separated by spaces.
+    pub units: String,
 }
 
 /// The engine to the simulator, with the time. Answered by [`FromSimulator`].
@@ -125,8 +159,6 @@ pub(crate) struct Line {
     pub connection: Connection,
     /// Whether the device is polled.
     pub polling: bool,
-    /// Whether only reads are let out.
-    pub read_only: bool,
 }
 
 /// Where the bytes go.

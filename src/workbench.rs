@@ -16,7 +16,10 @@ use crate::crash;
 use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
-use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
+use crate::pages::{
+    Console, Decoder, Handling, builder_page, console_page, decoder_page, exchange_halves, handling, listen_at_console,
+    marks,
+};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -29,6 +32,8 @@ pub(crate) struct Workbench {
     page: RwSignal<Option<Page>>,
     /// The last exchange of the Live page, while it is shown.
     pub(crate) exchange: RwSignal<Option<Exchange>>,
+    /// What can be done with the device on the Live page.
+    pub(crate) handling: Handling,
     /// What the address brings to be read.
     pub(crate) brought: RwSignal<String>,
     /// The digits of the bytes that the address brings to be sent.
@@ -62,6 +67,7 @@ impl Workbench {
             ambient: Ambient { language: RwSignal::new(language) },
             page: RwSignal::new(None),
             exchange: RwSignal::new(None),
+            handling: Handling::new(),
             brought: route::follow_text(),
             to_send: route::follow_send(),
             console: Console::remembered(),
@@ -109,6 +115,8 @@ struct Running {
     state: &'static Workbench,
     page: Handle,
     exchange: Handle,
+    handling: Handle,
+    marks: Handle,
 }
 
 thread_local! {
@@ -140,11 +148,19 @@ impl Running {
                 put(&self.page, beside);
                 state.page.set(page);
             }
-            ToWorkbench::Device(device) => state.device_connected(device),
+            ToWorkbench::Device(device) => {
+                state.handling.connected(device.is_some());
+                state.device_connected(device);
+            }
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
                 state.exchange.set(exchange);
             }
+            ToWorkbench::Handling(live) => {
+                put(&self.handling, beside);
+                state.handling.hear(live);
+            }
+            ToWorkbench::Marks => put(&self.marks, beside),
         }
     }
 }
@@ -170,6 +186,7 @@ fn start(language: Language, beside: JsValue) {
         // One for the life of the page, and cheap for every closure to hold.
         let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
         dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
+        Handling::follow(state);
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
@@ -185,6 +202,7 @@ fn start(language: Language, beside: JsValue) {
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));
         let exchange = el("div").class("contents").live_one(move || shown.get().then(|| exchange_halves(state)));
         let exchange = exchange.handle();
-        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange }));
+        let (handling, marks) = (handling(state).handle(), marks(state).handle());
+        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange, handling, marks }));
     });
 }

@@ -135,6 +135,7 @@ impl Profile {
             point.consequence = None;
             for code in &mut point.codes {
                 code.consequence = None;
+                code.leaves = None;
             }
         }
         self
@@ -164,6 +165,16 @@ impl Profile {
         self.groups_of(referred.chain(measured()))
     }
 
+    /// The reads that bring what measurements are seen with, such as limits and offsets: parameters that [`Self::live_groups`]
+    /// leave out and that do not set the line.
+    pub fn context_groups(&self) -> Vec<Group> {
+        let live = self.live_groups();
+        let beside = |point: &&Point| point.role == Role::Parameter && point.effects.is_empty();
+        let mut context = self.groups_of(self.points.iter().filter(beside));
+        context.retain(|group| !live.contains(group));
+        context
+    }
+
     /// On which side a measurement is beyond its range, as far as that is known: the range of the profile, or what the
     /// device says of itself; `reading` brings a point's last value. `None` also within, and for what is no number.
     pub fn beyond(&self, point: &Point, value: Value, reading: impl Fn(&str) -> Option<Value>) -> Option<Beyond> {
@@ -176,9 +187,9 @@ impl Profile {
         };
         let side = |(first, last): (Value, Value)| {
             if value.compare(first)?.is_lt() {
-                return Some(Beyond::Below);
+                return Some(Beyond::Below(first));
             }
-            value.compare(last)?.is_gt().then_some(Beyond::Above)
+            value.compare(last)?.is_gt().then_some(Beyond::Above(last))
         };
         own.and_then(side).or_else(|| told().and_then(side))
     }
@@ -294,14 +305,15 @@ mod tests {
             }
         };
         let side = |text, first, last| level.beyond(value, number(text), reading(first, last));
-        assert_eq!(side("6.000", "0.000", "5.000"), Some(Beyond::Above));
+        assert_eq!(side("6.000", "0.000", "5.000"), Some(Beyond::Above(number("5.000"))));
         assert_eq!(side("5.000", "0.000", "5.000"), None);
-        assert_eq!(side("-0.001", "0.000", "5.000"), Some(Beyond::Below));
-        assert_eq!(side("-0.001", "5.000", "0.000"), Some(Beyond::Below));
+        assert_eq!(side("-0.001", "0.000", "5.000"), Some(Beyond::Below(number("0.000"))));
+        assert_eq!(side("-0.001", "5.000", "0.000"), Some(Beyond::Below(number("0.000"))));
         assert_eq!(level.beyond(value, number("6.000"), |_| None), None);
         let gauge = built_in("gauge-cable");
         assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), number("-65.535"), |_| None), None);
-        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(70.0), |_| None), Some(Beyond::Above));
+        let most = Some(Beyond::Above(number("65.535")));
+        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(70.0), |_| None), most);
         assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(f32::NAN), |_| None), None);
     }
 
@@ -314,6 +326,15 @@ mod tests {
             built_in("lvdt").live_groups().iter().map(|group| (group.address, group.quantity)).collect();
         assert_eq!(reads, [(2, 4)]);
         assert_eq!(built_in("gauge-cable").live_groups().len(), 4);
+    }
+
+    #[test]
+    fn what_measurements_are_seen_with_is_read_beside_them() {
+        let registers =
+            |id| built_in(id).context_groups().iter().map(|group| (group.address, group.quantity)).collect::<Vec<_>>();
+        assert_eq!(registers("level"), [(5, 1), (6, 1), (0xC, 1)]);
+        assert_eq!(registers("lvdt"), [(0x34, 1), (0x3F, 1)]);
+        assert_eq!(registers("gauge-cable"), []);
     }
 
     #[test]

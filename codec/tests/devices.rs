@@ -151,7 +151,8 @@ fn limits_and_times_are_those_of_the_manuals() {
 fn everything_is_told_in_both_languages() {
     for profile in built_in() {
         let points = profile.points.iter().flat_map(|point| {
-            let codes = point.codes.iter().flat_map(|code| code.name.iter().chain(&code.consequence));
+            let codes =
+                point.codes.iter().flat_map(|code| code.name.iter().chain(&code.consequence).chain(&code.leaves));
             [&point.name].into_iter().chain(&point.note).chain(&point.consequence).chain(codes)
         });
         let wires = profile.wiring.iter().flat_map(|wire| [&wire.name, &wire.purpose]);

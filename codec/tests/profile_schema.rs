@@ -20,7 +20,7 @@ fn example() -> &'static str {
 #[test]
 fn the_documented_example_loads_and_uses_every_key() {
     let profile = Profile::from_json(example()).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(profile.points.len(), 14);
+    assert_eq!(profile.points.len(), 15);
     let document: Value = serde_json::from_str(example()).unwrap();
     let mut used = BTreeSet::new();
     gather_keys(&document, &mut used);

@@ -39,8 +39,12 @@ pub(crate) enum Icon {
     Info,
     /// Turn back: reset.
     Reset,
+    /// A tick: done.
+    Done,
     /// A plug: port.
     Plug,
+    /// A padlock: only reads.
+    Lock,
     /// An arrow to the right: go there.
     Go,
     /// A sheet with a folded corner: a file.
@@ -69,7 +73,9 @@ impl Icon {
             Self::Fault => "M9 2.5 16.5 15.5h-15zM9 7.5v3.6M9 13.2v.1",
             Self::Info => "M9 2.2a6.8 6.8 0 1 0 0 13.6 6.8 6.8 0 1 0 0-13.6zM9 8.2v4.3M9 5.5v.1",
             Self::Reset => "M3.5 3.5v4h4M3.9 7.5A6 6 0 1 1 3.2 11",
+            Self::Done => "M3.5 9.5l4 4 7-8.5",
             Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",
+            Self::Lock => "M4 8h10v7.5H4zM6 8V5.5a3 3 0 0 1 6 0V8M9 11v1.6",
             Self::Go => "M3 9h11M10 5l4 4-4 4",
             Self::File => "M4.5 2.5h6l3 3v10h-9zM10.5 2.5v3h3",
         }

@@ -3,7 +3,7 @@
 use crate::reactive::prelude::*;
 use buslens_codec::line::Mode;
 
-use super::button::{bare, button};
+use super::button::{bare, button, icon_button};
 use super::icon::{Icon, icon};
 use crate::app::{App, Phase};
 use crate::dom::{El, el, svg};
@@ -90,6 +90,7 @@ pub(crate) fn top_bar(app: &'static App) -> El {
         .child(chip)
         .child(trip)
         .child(el("span").class("space"))
+        .child(read_only_switch(app))
         .child(theme_switch(app))
         .child(language_switch(app))
         .live_one(move || {
@@ -99,6 +100,16 @@ pub(crate) fn top_bar(app: &'static App) -> El {
                     .click(|| link::send(&ToEngine::Disconnect))
             })
         })
+}
+
+/// On every page: whoever wants something written, nothing is while it is on.
+fn read_only_switch(app: &'static App) -> El {
+    icon_button(app, "quiet read-only", "read-only", Icon::Lock, Language::read_only)
+        .label(app, Language::read_only)
+        .attr("role", "switch")
+        .state("aria-checked", move || app.read_only.get())
+        .live_attr("title", move || Some(app.language.get().read_only_hint().to_owned()))
+        .click(move || link::send(&ToEngine::ReadOnly(!app.read_only.get_untracked())))
 }
 
 fn theme_switch(app: &'static App) -> El {
@@ -154,8 +165,7 @@ fn line_text(app: &'static App) -> String {
     let language = app.language.get();
     let used = app.connection.get().filter(|_| app.phase.get().is_connected());
     let shown = used.or_else(|| app.settings.connection(Source::Simulator));
-    let read_only = if app.read_only.get() { [" · ", language.only_reads()].concat() } else { String::new() };
-    shown.map(|connection| connection_text(language, &connection) + &read_only).unwrap_or_default()
+    shown.map(|connection| connection_text(language, &connection)).unwrap_or_default()
 }
 
 /// `9600 8E1 · RTU · unit 12`.

@@ -1,6 +1,7 @@
 //! The engine: port and master, in a worker of their own, whose timers run on when the page is hidden.
 
 mod console;
+mod context;
 pub(crate) mod port;
 mod progress;
 mod recorder;
@@ -131,16 +132,18 @@ impl Engine {
                     end(session, console);
                 }
             }
-            Input::Line(message) => {
-                if let ToLine::ReadOnly(read_only) = message {
-                    console.line.read_only = read_only;
+            Input::Window(ToEngine::ReadOnly(read_only), _) | Input::Line(ToLine::ReadOnly(read_only)) => {
+                console.line.read_only = read_only;
+                if let Some(session) = session {
+                    session.set_read_only(read_only);
                 }
-                match (session, message) {
-                    (Some(session), message) => session.handle_line(message, console),
-                    (None, ToLine::Send { id, .. }) => console.unsent(now(), id, End::NoPort),
-                    (None, _) => {}
-                }
+                scope::post(&ToWindow::ReadOnly(read_only));
             }
+            Input::Line(message) => match (session, message) {
+                (Some(session), message) => session.handle_line(message, console),
+                (None, ToLine::Send { id, .. }) => console.unsent(now(), id, End::NoPort),
+                (None, _) => {}
+            },
             Input::Port(number, event) => {
                 if let Some(session) = session.as_mut().filter(|session| session.number() == number) {
                     session.handle_port(event, console);

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Counters, Exchange, Failure};
-use buslens_codec::pdu::{Response, unpack_bits};
-use buslens_codec::profile::{Known, Profile};
+use buslens_codec::pdu::{Request, Response, unpack_bits};
+use buslens_codec::profile::{Group, Known, Profile};
 use buslens_codec::value::Value;
 
 use crate::message::{Frames, Health, Link, Reading, Sample, Status, Trouble};
@@ -19,6 +19,10 @@ const RATE_WINDOW: Duration = Duration::from_secs(3);
 pub(super) struct Progress {
     /// Whose registers they are, where that is known.
     profile: Option<Profile>,
+    /// The reads of a round, and behind them those of what measurements are seen with.
+    groups: Vec<Group>,
+    /// How many of them are a round.
+    round: usize,
     known: Known,
     period: Duration,
     status: Status,
@@ -31,8 +35,14 @@ pub(super) struct Progress {
 
 impl Progress {
     pub(super) fn new(profile: Option<Profile>, period: Duration) -> Self {
+        let of_profile = |groups: fn(&Profile) -> Vec<Group>| profile.as_ref().map(groups).unwrap_or_default();
+        let mut groups = of_profile(Profile::live_groups);
+        let round = groups.len();
+        groups.append(&mut of_profile(Profile::context_groups));
         Self {
             profile,
+            groups,
+            round,
             known: Known::default(),
             period,
             status: Status::default(),
@@ -41,6 +51,26 @@ impl Progress {
             patient_until: Instant::ZERO,
             rounds: VecDeque::new(),
         }
+    }
+
+    /// What is asked in every round.
+    pub(super) fn requests(&self) -> Vec<Request> {
+        self.groups.iter().take(self.round).filter_map(Group::request).collect()
+    }
+
+    /// What is asked beside the rounds.
+    pub(super) fn context(&self) -> Vec<Request> {
+        self.groups.iter().skip(self.round).filter_map(Group::request).collect()
+    }
+
+    /// What was asked beside the rounds, by its place in [`Self::context`], has ended.
+    pub(super) fn context_read(&mut self, place: usize, exchange: &Exchange) {
+        self.polled(self.round + place, exchange);
+    }
+
+    /// Whether a round ends with this request.
+    pub(super) fn ends_round(&self, index: usize) -> bool {
+        index + 1 == self.round
     }
 
     pub(super) fn has_news(&self) -> bool {
@@ -71,22 +101,22 @@ impl Progress {
 
     pub(super) fn polled(&mut self, index: usize, exchange: &Exchange) {
         self.changed = true;
-        self.status.exchange = Some(Frames { sent: exchange.sent.clone(), received: exchange.received.clone() });
-        if let Some(round_trip) = exchange.round_trip {
-            self.status.round_trip_us = u32::try_from(round_trip.as_micros()).ok();
+        // What is read beside the rounds tells nothing of their health.
+        if index < self.round {
+            self.status.exchange = Some(Frames { sent: exchange.sent.clone(), received: exchange.received.clone() });
+            if let Some(round_trip) = exchange.round_trip {
+                self.status.round_trip_us = u32::try_from(round_trip.as_micros()).ok();
+            }
         }
         match &exchange.result {
             Ok(Answer::Reply(response)) => self.answered(index, exchange.at, response),
-            Ok(Answer::BroadcastSent | Answer::Heard) => {}
-            Err(failure) => self.failed(exchange.at, failure),
+            Err(failure) if index < self.round => self.failed(exchange.at, failure),
+            _ => {}
         }
     }
 
     fn answered(&mut self, index: usize, at: Instant, response: &Response) {
-        let Some(profile) = &self.profile else { return };
-        let groups = profile.live_groups();
-        let Some(group) = groups.get(index) else { return };
-        let is_last = index + 1 == groups.len();
+        let Some((profile, group)) = self.profile.as_ref().zip(self.groups.get(index)) else { return };
         let points = match response {
             Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values } => {
                 profile.decode_points(group.function, group.address, values, &mut self.known)
@@ -96,7 +126,8 @@ impl Progress {
             }
             _ => return,
         };
-        if points.iter().any(|point| point.value.is_err()) {
+        let in_round = index < self.round;
+        if in_round && points.iter().any(|point| point.value.is_err()) {
             self.status.health = Health::Failing(Trouble::BadValue);
             return;
         }
@@ -109,10 +140,13 @@ impl Progress {
         for (point, value) in values {
             self.read(at, &point, value);
         }
+        if !in_round {
+            return;
+        }
         self.misses = 0;
         self.status.health = Health::Reading;
         // A round is done with its last group.
-        if is_last {
+        if self.ends_round(index) {
             self.rounds.push_back(at);
         }
     }
@@ -235,6 +269,24 @@ mod tests {
         assert_eq!(progress.status.health, Health::Reading);
         progress.polled(0, &exchange(3000, silence()));
         assert_eq!(progress.status.health, Health::Failing(Trouble::Silence));
+    }
+
+    #[test]
+    fn what_is_read_beside_the_rounds_is_a_reading_and_says_nothing_of_their_health() {
+        let mut progress = progress();
+        progress.polled(0, &exchange(100, Ok(reply(&[0, 255, 0, 0]))));
+        let (sent, rounds) = (progress.status.exchange.clone(), progress.rounds.len());
+        // Behind the compensation stands the sample rate.
+        let rate = Answer::Reply(Response::ReadHoldingRegisters { values: vec![4] });
+        progress.context_read(1, &Exchange { sent: vec![2], ..exchange(200, Ok(rate)) });
+        let read = progress.status.readings.iter().find(|reading| reading.point == "sample_rate").unwrap();
+        assert_eq!(read.value, Value::Code(4));
+        for at_ms in [2000, 3000, 4000] {
+            let silence = Failure::NoAnswer { heard: vec![], line_errors: 0 };
+            progress.context_read(0, &exchange(at_ms, Err(silence)));
+        }
+        assert_eq!(progress.status.health, Health::Reading);
+        assert_eq!((&progress.status.exchange, progress.rounds.len()), (&sent, rounds));
     }
 
     #[test]

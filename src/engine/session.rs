@@ -7,12 +7,14 @@ use std::time::Duration;
 use buslens_analyst::line::{PortState, Signals, ToLine};
 use buslens_bus::record::{self, End, Note, Origin, Outcome, What};
 use buslens_bus::time::Instant;
-use buslens_bus::{Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
+use buslens_bus::{Answer, Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode};
-use buslens_codec::profile::{Group, Profile};
+use buslens_codec::pdu::Request;
+use buslens_codec::profile::Profile;
 
 use super::console::Console;
+use super::context::{Context, may_have_written};
 use super::port::{Port, PortEvent, Signal};
 use super::progress::Progress;
 use super::scope::{self, Awake, now};
@@ -40,7 +42,9 @@ pub(super) struct Session {
     polling: bool,
     /// Time between two readings where the connection does not say it.
     usual_period_ms: u32,
-    requests: Vec<buslens_codec::pdu::Request>,
+    requests: Vec<Request>,
+    /// What is read beside the poll.
+    context: Context,
     /// What the console has submitted, in order.
     sends: Vec<(JobId, Send)>,
     /// The port has been open since it was last told to be closed.
@@ -50,8 +54,8 @@ pub(super) struct Session {
     looked_at: Instant,
     /// In a replay, the recording's time.
     clock: Instant,
-    /// What the window knows: settings, unit, whether it is polled, whether only reads are let out.
-    told: Option<(LineSettings, Mode, UnitId, bool, bool)>,
+    /// What the window knows: settings, unit, whether it is polled.
+    told: Option<(LineSettings, Mode, UnitId, bool)>,
     _awake: Awake,
 }
 
@@ -104,19 +108,24 @@ impl Session {
         port: Option<Box<dyn Port>>,
         profile: Option<Profile>,
     ) -> Self {
-        let groups = profile.as_ref().map(Profile::live_groups).unwrap_or_default();
-        let requests = groups.iter().filter_map(Group::request).collect();
         let usual_period_ms = profile.as_ref().map_or(1000, |profile| profile.timing.poll_period_ms);
         let period = if connection.period_ms > 0 { connection.period_ms } else { usual_period_ms };
+        let progress = Progress::new(profile, Duration::from_millis(period.into()));
+        let (mut requests, context) = (progress.requests(), progress.context());
+        if port.is_none() {
+            // In a recording they are found by what they ask.
+            requests.extend(context.iter().cloned());
+        }
         Self {
             number,
             connection,
             master,
             port,
-            progress: Progress::new(profile, Duration::from_millis(period.into())),
+            progress,
             polling: false,
             usual_period_ms,
             requests,
+            context: Context::new(context),
             sends: Vec::new(),
             opened: false,
             open_fault: None,
@@ -134,6 +143,10 @@ impl Session {
 
     pub(super) fn is_replay(&self) -> bool {
         self.port.is_none()
+    }
+
+    pub(super) fn set_read_only(&mut self, read_only: bool) {
+        self.master.set_read_only(read_only);
     }
 
     pub(super) fn disconnect(&mut self) {
@@ -241,7 +254,6 @@ impl Session {
                     self.poll(true);
                 }
             }
-            ToLine::ReadOnly(read_only) => self.master.set_read_only(read_only),
             ToLine::Signals { dtr, rts } if self.connection.source != Source::Simulator && !self.is_replay() => {
                 let signals = &mut console.line.signals;
                 signals.dtr = dtr.or(signals.dtr);
@@ -308,6 +320,27 @@ impl Session {
                 }
             }
         }
+        self.transmit(now, console);
+        self.hear_master(if self.is_replay() { self.clock } else { now }, console);
+        // What was heard may have brought new requests.
+        self.transmit(now, console);
+        let line = &mut console.line;
+        line.replay = self.is_replay();
+        // With other settings it is open only when it has them.
+        let in_force = self.master.link_state() == LinkState::Open && !self.master.is_reconfiguring();
+        line.open = !line.replay && in_force;
+        line.port = self.port_state(in_force);
+        line.simulated = self.connection.source == Source::Simulator;
+        (line.line, line.mode) = (self.connection.line, self.connection.mode);
+        line.polling = self.polling && !line.replay;
+        if !line.open {
+            let Signals { dtr, rts, .. } = line.signals;
+            line.signals = Signals { dtr, rts, ..Signals::default() };
+        }
+        self.tell_line();
+    }
+
+    fn transmit(&mut self, now: Instant, console: &mut Console) {
         while let Some(transmit) = self.master.poll_transmit() {
             if !transmit.bytes.is_empty() {
                 if let Some(port) = &self.port {
@@ -322,21 +355,6 @@ impl Session {
                 console.note(now, What::Port(record::Event::Break(length_ms)));
             }
         }
-        self.hear_master(if self.is_replay() { self.clock } else { now }, console);
-        let line = &mut console.line;
-        line.replay = self.is_replay();
-        // With other settings it is open only when it has them.
-        let in_force = self.master.link_state() == LinkState::Open && !self.master.is_reconfiguring();
-        line.open = !line.replay && in_force;
-        line.port = self.port_state(in_force);
-        line.simulated = self.connection.source == Source::Simulator;
-        (line.line, line.mode) = (self.connection.line, self.connection.mode);
-        line.polling = self.polling && !line.replay;
-        if !line.open {
-            let Signals { dtr, rts, .. } = line.signals;
-            line.signals = Signals { dtr, rts, ..Signals::default() };
-        }
-        self.tell_line(line.read_only);
     }
 
     fn hear_master(&mut self, now: Instant, console: &Console) {
@@ -344,10 +362,23 @@ impl Session {
             match event {
                 Event::Link(state) => {
                     let link = self.link(state);
+                    self.context.again();
                     self.progress.link_changed(now, link);
                 }
-                Event::Polled { index, exchange } => self.progress.polled(index, &exchange),
+                Event::Polled { index, exchange } => {
+                    self.progress.polled(index, &exchange);
+                    if self.progress.ends_round(index) && matches!(exchange.result, Ok(Answer::Reply(_))) {
+                        self.read_context(now);
+                    }
+                }
                 Event::Done { job, exchange } => {
+                    if let Some(place) = self.context.ended(job, &exchange) {
+                        self.progress.context_read(place, &exchange);
+                        continue;
+                    }
+                    if may_have_written(self.connection.mode, &exchange.sent) {
+                        self.context.again();
+                    }
                     let Some(at) = self.sends.iter().position(|(other, _)| *other == job) else { continue };
                     if let (_, Send::Bytes(id)) = self.sends.remove(at) {
                         console.done(id, Outcome::from(&exchange));
@@ -358,11 +389,11 @@ impl Session {
     }
 
     /// The window learns what the console has changed.
-    fn tell_line(&mut self, read_only: bool) {
+    fn tell_line(&mut self) {
         let Connection { line, mode, unit, .. } = self.connection;
-        let now = (line, mode, unit, self.polling, read_only);
+        let now = (line, mode, unit, self.polling);
         if self.told.replace(now) != Some(now) {
-            let line = Line { connection: self.connection.clone(), polling: self.polling, read_only };
+            let line = Line { connection: self.connection.clone(), polling: self.polling };
             scope::post(&ToWindow::Line(line));
         }
     }
@@ -394,6 +425,17 @@ impl Session {
         let period = milliseconds(self.connection.period_ms);
         let poll = Poll { unit: self.connection.unit, requests: self.requests.clone(), period };
         self.master.set_poll(now(), wanted.then_some(poll));
+    }
+
+    /// Reads the next of what measurements are seen with, if it is time. In a recording only what was read is.
+    fn read_context(&mut self, now: Instant) {
+        if self.is_replay() {
+            return;
+        }
+        if let Some(request) = self.context.next(now) {
+            let job = Job::new(self.connection.unit, request).by(Origin::Poll);
+            self.context.submitted(self.master.submit(now, job));
+        }
     }
 
     fn submit(&mut self, now: Instant, job: Job, send: Send) {

@@ -32,8 +32,6 @@ texts! {
     not_applied => "Not applied yet" | "尚未应用";
     polling => "Polling" | "轮询";
     polling_hint => "Read the device periodically, between whatever is sent from here." | "在此处发送的间隙周期性读取设备。";
-    read_only => "Read only" | "只读";
-    read_only_hint => "Lets only reads out of the port: nothing that could change a device is sent, by anybody." | "只允许读请求发出：任何来源都不会发送可能改动设备的内容。";
     signals => "Outputs and inputs of the port" | "串口的输出与输入信号";
     lamp_on => "on" | "有效";
     lamp_off => "off" | "无效";

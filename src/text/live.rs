@@ -47,6 +47,10 @@ texts! {
     step_port => "Plug the adapter in and choose its port." | "插入适配器，选择对应的串口。";
     step_connect => "Check the address on the housing, then connect." | "核对外壳上的地址，然后点击连接。";
 
+    shown_unit => "Unit shown" | "显示单位";
+    converted_from(value: &str, unit: &str) => "converted from {value} {unit}" | "由 {value} {unit} 换算";
+    above_range(limit: &str) => "above the range, which ends at {limit}" | "超出量程上限 {limit}";
+    below_range(limit: &str) => "below the range, which begins at {limit}" | "低于量程下限 {limit}";
     minimum => "min" | "最小";
     maximum => "max" | "最大";
     mean => "mean" | "平均";

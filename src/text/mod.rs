@@ -10,6 +10,7 @@ mod decoder;
 mod desk;
 mod diagnosis;
 mod faults;
+mod handling;
 mod live;
 mod sequence;
 mod shell;
@@ -100,6 +101,7 @@ mod tests {
             diagnosis::ALL,
             desk::ALL,
             builder::ALL,
+            handling::ALL,
             console::ALL,
             sequence::ALL,
         ]

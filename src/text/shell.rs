@@ -21,7 +21,8 @@ texts! {
     no_port => "No port" | "未选串口";
     simulator => "Simulated sensor" | "模拟传感器";
     replay_source => "Recording" | "回放记录";
-    only_reads => "read-only" | "只读";
+    read_only => "Read only" | "只读";
+    read_only_hint => "Lets only reads out of the port: nothing that could change a device is sent, by anybody." | "只允许读请求发出：任何来源都不会发送可能改动设备的内容。";
     serial_port => "Serial port" | "串口";
     unit_id(unit: u8) => "unit {unit}" | "地址 {unit}";
     round_trip => "round trip" | "往返";

@@ -3,10 +3,12 @@
 mod builder;
 mod console;
 mod decoder;
+mod handling;
 mod live;
 mod sequence;
 
 pub use builder::BuilderPage;
 pub use console::ConsolePage;
 pub use decoder::DecoderPage;
+pub use handling::{Handling, is_read_only, set_read_only};
 pub use live::{Figures, LivePage, State};

@@ -459,6 +459,10 @@ mod tests {
                 "\"write\": [5], \"role\": \"command\", \"codes\": [ { \"code\": 0, \"number\": 1, \"danger\": \"danger\" } ]",
                 "the danger of code 0 costs",
             ),
+            (
+                "\"read\": [1], \"role\": \"parameter\", \"codes\": [ { \"code\": 0, \"number\": 1, \"leaves\": { \"en\": \"a\", \"zh\": \"b\" } } ]",
+                "only a command leaves",
+            ),
             ("\"read\": [1], \"role\": \"parameter\", \"scale\": 2", "only whole numbers"),
             (
                 "\"read\": [1], \"role\": \"parameter\", \"limits_from\": { \"first\": \"range_zero\", \"last\": \"range_full\" }",

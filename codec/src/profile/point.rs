@@ -131,12 +131,12 @@ impl LimitsFrom {
 }
 
 /// On which side of its range a value lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
-    /// Below the least.
-    Below,
-    /// Above the most.
-    Above,
+    /// Below the least, which is this.
+    Below(Value),
+    /// Above the most, which is this.
+    Above(Value),
 }
 
 /// Least and most of a value, both included.
@@ -173,6 +173,8 @@ pub struct Code {
     pub danger: Danger,
     /// What writing it costs in the user's words, where that is not what the point says.
     pub consequence: Option<Texts>,
+    /// What a command that writes it makes the device be, until another code of the same point or a restart: `zeroed`.
+    pub leaves: Option<Texts>,
 }
 
 impl Point {

@@ -53,6 +53,11 @@ pub(crate) fn exchange_halves(app: &'static Workbench) -> El {
     })
 }
 
+/// The same of an exchange that stands for itself.
+pub(crate) fn exchange_of(language: Language, exchange: &Exchange) -> Vec<El> {
+    halves(language, exchange, &mut Known::default())
+}
+
 fn halves(language: Language, exchange: &Exchange, known: &mut Known) -> Vec<El> {
     let Exchange { device, mode, frames } = exchange;
     let profile = device::find(device).profile();

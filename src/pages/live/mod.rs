@@ -6,6 +6,7 @@ mod exchange;
 mod faults;
 mod figures;
 mod trend_strip;
+mod units;
 mod wiring;
 
 use crate::reactive::prelude::*;
@@ -14,11 +15,13 @@ use crate::app::{App, Phase};
 use crate::components::alert::{Fault, fault_panel};
 use crate::components::shell::port_name;
 use crate::dom::{El, el};
-use crate::message::{Health, Link};
+use crate::loader;
+use crate::message::{Health, Link, Live, Source, Status, ToWorkbench};
 use crate::serial;
 use crate::text::Language;
-pub(crate) use exchange::exchange_halves;
+pub(crate) use exchange::{exchange_halves, exchange_of};
 use faults::Facts;
+use units::Units;
 
 /// The page.
 pub(crate) fn live_page(app: &'static App) -> El {
@@ -59,12 +62,36 @@ pub(crate) fn connect_above(app: &'static App) -> El {
 }
 
 fn session_view(app: &'static App) -> El {
+    let units = Units::of(app.settings.device());
     el("div")
         .class("session")
-        .child(figures::figures(app))
+        .child(figures::figures(app, units))
         .child(counters::counts(app))
-        .child(trend_strip::trend_strip(app))
+        .child(el("div").class("handling-place").child(handling(app, units)))
+        .child(trend_strip::trend_strip(app, units))
         .child(exchange::last_exchange(app))
+}
+
+/// What can be done with the device, as the workbench shows it.
+fn handling(app: &'static App, units: Units) -> El {
+    let live = move || {
+        let used = app.connection.get()?;
+        let status = app.status.with(|status| Status { readings: status.readings.clone(), ..Status::default() });
+        let phase = app.phase.get();
+        Some(Live {
+            device: app.settings.device().id().to_owned(),
+            unit: used.unit,
+            line: used.line,
+            mode: used.mode,
+            status,
+            is_current: phase == Phase::Reading,
+            is_open: matches!(phase, Phase::Waiting | Phase::Reading | Phase::Failing),
+            is_replay: used.source == Source::Replay,
+            read_only: app.read_only.get(),
+            units: units.kept(),
+        })
+    };
+    loader::place(app, move || ToWorkbench::Handling(live()), ToWorkbench::Handling(None))
 }
 
 /// The one fault to tell: the link's, else the device's, else the picker's, else the missing of serial ports.

@@ -3,6 +3,7 @@
 use crate::reactive::prelude::*;
 use buslens_codec::profile::Point;
 
+use super::units::{Conversion, Units};
 use crate::app::App;
 use crate::device;
 use crate::dom::{El, el, svg};
@@ -30,7 +31,7 @@ struct Picture {
 }
 
 /// The card with the curve of one point.
-pub(super) fn trend_strip(app: &'static App) -> El {
+pub(super) fn trend_strip(app: &'static App, units: Units) -> El {
     let points = app.settings.device().measurements();
     let chosen = RwSignal::new(0_usize);
     let names = points.iter().copied().enumerate().map(|(at, point)| {
@@ -47,7 +48,7 @@ pub(super) fn trend_strip(app: &'static App) -> El {
         .child(el("h2").say(app, Language::last_minute))
         .child(el("span").class("muted").live_text(move || {
             let language = app.language.get();
-            let text = |point: &Point| app.status.with(|status| app.settings.device().unit(language, status, point));
+            let text = |point: &Point| app.status.with(|status| units.unit(language, status, point));
             unit().map(text).unwrap_or_default()
         }))
         .child(el("span").class("space"))
@@ -59,7 +60,7 @@ pub(super) fn trend_strip(app: &'static App) -> El {
         .live_one(move || {
             app.clock_turn.track();
             let language = app.language.get();
-            let drawn = point().and_then(|point| Some((point, picture(app, point, size.get_untracked())?)));
+            let drawn = point().and_then(|point| Some((point, picture(app, units, point, size.get_untracked())?)));
             Some(match drawn {
                 Some((point, picture)) => curve(language, picture, device::pick(language, &point.name)),
                 None => el("p").class("empty").text(language.trend_waiting()),
@@ -72,10 +73,14 @@ pub(super) fn trend_strip(app: &'static App) -> El {
     el("section").class("card trend").child(header).child(strip)
 }
 
-fn picture(app: &'static App, point: &Point, size: (f64, f64)) -> Option<Picture> {
+fn picture(app: &'static App, units: Units, point: &Point, size: (f64, f64)) -> Option<Picture> {
     let gap_s = app.connection.with(|used| used.as_ref().map_or(1.0, |used| f64::from(used.period_ms) * 0.003));
-    let decimals = app.status.with_untracked(|status| device::reading(status, &point.id)).map_or(0, device::decimals);
-    let strip = Strip { size, now_s: app.engine_seconds()?, gap_s: gap_s.max(1.0), decimals };
+    let (decimals, conversion) = app.status.with_untracked(|status| {
+        let decimals = device::reading(status, &point.id).map_or(0, device::decimals);
+        (decimals, units.conversion(status, point))
+    });
+    let decimals = conversion.map_or(decimals, |conversion| conversion.decimals(decimals));
+    let strip = Strip { size, now_s: app.engine_seconds()?, gap_s: gap_s.max(1.0), decimals, conversion };
     app.history.with_value(|history| Some(draw(history.of(&point.id)?, &strip)))
 }
 
@@ -85,13 +90,15 @@ struct Strip {
     size: (f64, f64),
     now_s: f64,
     gap_s: f64,
-    /// Decimals of the point's values.
+    /// Decimals of the values shown.
     decimals: u8,
+    conversion: Option<Conversion>,
 }
 
 fn draw(series: &Series, strip: &Strip) -> Picture {
-    let Strip { size: (width, height), now_s, gap_s, decimals } = *strip;
-    let shown = || series.recent().filter(|(at_s, _)| now_s - at_s <= SPAN_S);
+    let Strip { size: (width, height), now_s, gap_s, decimals, conversion } = *strip;
+    let converted = |(at_s, value)| (at_s, conversion.map_or(value, |conversion| conversion.of(value)));
+    let shown = || series.recent().filter(|(at_s, _)| now_s - at_s <= SPAN_S).map(converted);
     let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
     for (_, value) in shown() {
         (min, max) = (min.min(value), max.max(value));

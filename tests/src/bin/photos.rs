@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, State};
+use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, Handling, LivePage, State, set_read_only};
 use buslens_tests::testbed::{Bench, Browser, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -17,6 +17,9 @@ const WIDTHS: [(u32, u32); 3] = [(1440, 900), (1024, 768), (390, 844)];
 enum Scene {
     LiveEmpty,
     LiveReading,
+    LiveLevel,
+    LiveCable,
+    LiveReadOnly,
     LiveFault,
     ConsoleEmpty,
     ConsoleLog,
@@ -37,9 +40,12 @@ enum Scene {
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 19] = [
+const SCENES: [(&str, Scene); 22] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
+    ("live-level", Scene::LiveLevel),
+    ("live-cable", Scene::LiveCable),
+    ("live-read-only", Scene::LiveReadOnly),
     ("live-fault", Scene::LiveFault),
     ("console-empty", Scene::ConsoleEmpty),
     ("console-log", Scene::ConsoleLog),
@@ -98,8 +104,29 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             // Enough of a curve to be looked at.
             page.wait_for_count("replies", 150).await;
         }
+        Scene::LiveLevel => {
+            let page = demonstrate(browser, "level").await;
+            page.live().show_in("psi").await;
+            page.unfold_risky().await;
+            page.press("save", 1).await;
+            page.question().await;
+            page.live().wait_for_count("replies", 60).await;
+        }
+        Scene::LiveCable => {
+            let page = demonstrate(browser, "gauge-cable").await;
+            page.live().wait_for_count("replies", 60).await;
+            page.give("clear_record", 0).await;
+            page.outcome("done").await;
+            page.frames().await;
+        }
+        Scene::LiveReadOnly => {
+            let page = demonstrate(browser, "lvdt").await;
+            page.set_read_only(true).await;
+            page.locked("read-only").await;
+        }
         Scene::LiveFault => {
             let page = LivePage::open(browser).await;
+            set_read_only(browser, false).await;
             browser.click("disconnect").await;
             page.wait_for(State::Closed).await;
             page.set_line(19_200, Parity::Even).await;
@@ -164,6 +191,17 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.wait_for("document.querySelector('[data-test=crash]')").await;
         }
     }
+}
+
+/// Reads another simulated device.
+async fn demonstrate<'a>(browser: &'a Browser, device: &str) -> Handling<'a> {
+    let page = LivePage::open(browser).await;
+    browser.click("disconnect").await;
+    page.wait_for(State::Closed).await;
+    page.choose_device(device).await;
+    browser.click("demo").await;
+    page.wait_for(State::Reading).await;
+    Handling::open(browser).await
 }
 
 /// Brings the Console page into a scene.

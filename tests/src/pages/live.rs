@@ -65,6 +65,11 @@ impl<'a> LivePage<'a> {
         self.browser.choose("parity", parity).await;
     }
 
+    /// Chooses the device by its profile's id.
+    pub async fn choose_device(&self, id: &str) {
+        self.browser.choose("profile", id).await;
+    }
+
     /// Types the unit id.
     pub async fn set_unit(&self, unit: u8) {
         self.browser.fill("unit", &unit.to_string()).await;
@@ -109,6 +114,32 @@ impl<'a> LivePage<'a> {
             self.browser.run(&script).await.as_str().unwrap_or_default().to_owned()
         };
         Figures { displacement: figure("displacement").await, temperature: figure("temperature").await }
+    }
+
+    /// Waits until a measurement reads `text`, unit included.
+    pub async fn wait_for_figure(&self, point: &str, text: &str) {
+        let part = |name: &str| {
+            format!("document.querySelector('[data-test=point-{point}] [data-test={name}]')?.innerText.trim()")
+        };
+        self.browser.wait_for(&format!("`${{{}}} ${{{}}}` === {text:?}", part("value"), part("unit"))).await;
+    }
+
+    /// Chooses the unit in which a measurement, and all others of its quantity, are shown.
+    pub async fn show_in(&self, unit: &str) {
+        self.browser.choose("unit-choice", unit).await;
+    }
+
+    /// What a converted measurement is said to be converted from; empty where it is shown as it was read.
+    pub async fn converted_from(&self) -> String {
+        self.browser.text("converted").await
+    }
+
+    /// Waits until a measurement is said to be beyond its range, in these words; until it is within for an empty text.
+    pub async fn wait_for_beyond(&self, point: &str, text: &str) {
+        let figure = format!("document.querySelector('[data-test=point-{point}]')");
+        let words = format!("{figure}.querySelector('[data-test=beyond]').innerText.trim()");
+        let beyond = !text.is_empty();
+        self.browser.wait_for(&format!("{figure}?.dataset.beyond === '{beyond}' && {words} === {text:?}")).await;
     }
 
     /// Waits until the displacement reads `text`, unit included.

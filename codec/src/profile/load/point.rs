@@ -132,6 +132,9 @@ fn point(node: Node<'_>) -> Found<Point> {
     if role == Role::Measurement && read.is_empty() {
         return fault(role_node, "a measurement is read by a function");
     }
+    if let (Some(node), true) = (codes_node, role != Role::Command && codes.iter().any(|code| code.leaves.is_some())) {
+        return fault(node, "only a command leaves a device in a state");
+    }
     let limits_node = object.find("limits_from");
     if let (Some(node), true) = (limits_node, role != Role::Measurement || !is_number(encoding)) {
         return fault(node, "only a measurement that is a number has limits");
@@ -355,7 +358,7 @@ fn is_number(encoding: Encoding) -> bool {
 }
 
 fn code(node: Node<'_>) -> Found<Code> {
-    let object = Object::of(node, &["code", "number", "name", "sets", "danger", "consequence"])?;
+    let object = Object::of(node, &["code", "number", "name", "sets", "danger", "consequence", "leaves"])?;
     let code = Code {
         code: word(object.need("code")?)?,
         number: object.find("number").map(|node| integer(node, u32::MAX)).transpose()?,
@@ -363,6 +366,7 @@ fn code(node: Node<'_>) -> Found<Code> {
         sets: object.find("sets").map(setting).transpose()?,
         danger: optional(object.find("danger"), danger)?,
         consequence: object.find("consequence").map(texts).transpose()?,
+        leaves: object.find("leaves").map(texts).transpose()?,
     };
     if code.number.is_none() && code.name.is_none() {
         return fault(node, "a code has a number or a name");
