@@ -11,6 +11,7 @@ mod desk;
 mod diagnosis;
 mod faults;
 mod live;
+mod profiles;
 mod sequence;
 mod shell;
 
@@ -102,6 +103,7 @@ mod tests {
             builder::ALL,
             console::ALL,
             sequence::ALL,
+            profiles::ALL,
         ]
         .into_iter()
         .flatten()

@@ -4,9 +4,11 @@ mod builder;
 mod console;
 mod decoder;
 mod live;
+mod profiles;
 mod sequence;
 
 pub use builder::BuilderPage;
 pub use console::ConsolePage;
 pub use decoder::DecoderPage;
 pub use live::{Figures, LivePage, State};
+pub use profiles::ProfilesPage;

@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, State};
+use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, ProfilesPage, State};
 use buslens_tests::testbed::{Bench, Browser, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -33,11 +33,14 @@ enum Scene {
     BuilderEmpty,
     BuilderFrame,
     BuilderError,
+    ProfilesList,
+    ProfilesForm,
+    ProfilesFault,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 19] = [
+const SCENES: [(&str, Scene); 22] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
@@ -56,6 +59,9 @@ const SCENES: [(&str, Scene); 19] = [
     ("builder-empty", Scene::BuilderEmpty),
     ("builder-frame", Scene::BuilderFrame),
     ("builder-error", Scene::BuilderError),
+    ("profiles-list", Scene::ProfilesList),
+    ("profiles-form", Scene::ProfilesForm),
+    ("profiles-fault", Scene::ProfilesFault),
     ("crash", Scene::Crash),
 ];
 
@@ -155,6 +161,7 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.calculate("01 03 00 31\n00 0x").await;
             browser.wait_for("document.querySelector('[data-test=calculator-error]')").await;
         }
+        Scene::ProfilesList | Scene::ProfilesForm | Scene::ProfilesFault => set_profiles(browser, site, scene).await,
         Scene::Crash => {
             browser.open(site).await;
             LivePage::open(browser).await;
@@ -163,6 +170,31 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.break_the_worker().await;
             browser.wait_for("document.querySelector('[data-test=crash]')").await;
         }
+    }
+}
+
+/// Brings the Profiles page into a scene.
+async fn set_profiles(browser: &Browser, site: &str, scene: Scene) {
+    match scene {
+        Scene::ProfilesList => {
+            ProfilesPage::open_at(browser, site).await;
+        }
+        Scene::ProfilesForm => {
+            let page = ProfilesPage::open_at(browser, site).await;
+            page.choose("level").await;
+            browser.click("profile-duplicate").await;
+            page.save().await;
+            page.show_form().await;
+            browser.click_nth("profile-point", 1).await;
+        }
+        Scene::ProfilesFault => {
+            let page = ProfilesPage { browser };
+            page.show_text().await;
+            let text = page.text().await;
+            page.write(&text.replacen("\"rtu\"", "\"rtx\"", 1)).await;
+            page.fault().await;
+        }
+        _ => {}
     }
 }
 
