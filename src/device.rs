@@ -232,12 +232,16 @@ pub(crate) fn pick(language: Language, texts: &Texts) -> &str {
     }
 }
 
-/// A point's value for reading, with a real minus sign.
+/// A point's value for reading; a number has a real minus sign, a text stays as the device tells it.
 pub(crate) fn value_text(language: Language, point: &Point, value: Value) -> String {
-    format::signed(&point.text(value, |texts| match language {
+    let text = point.text(value, |texts| match language {
         Language::En => &texts.en,
         Language::Zh => &texts.zh,
-    }))
+    });
+    match value {
+        Value::Number(_) | Value::Float(_) | Value::Double(_) => format::signed(&text),
+        Value::Code(_) | Value::Text(_) => text,
+    }
 }
 
 /// How many decimals a point's values have, as far as one value tells.

@@ -69,8 +69,11 @@ const SENTENCES: &[(&str, &str)] = &[
 
 /// A reason in Chinese; one that is not known stays as it is.
 pub(crate) fn in_chinese(reason: &str) -> String {
-    let found = SENTENCES.iter().find_map(|(english, chinese)| Some((chinese, filled_in(english, reason)?)));
-    let Some((chinese, words)) = found else { return reason.to_owned() };
+    let fitting =
+        SENTENCES.iter().filter_map(|(english, chinese)| Some((english, chinese, filled_in(english, reason)?)));
+    // What is filled in may hold words of another sentence: the one that says the most itself is meant.
+    let found = fitting.max_by_key(|(english, ..)| english.len());
+    let Some((_, chinese, words)) = found else { return reason.to_owned() };
     let mut words = words.into_iter();
     let mut all = String::new();
     for (at, part) in chinese.split("{}").enumerate() {

@@ -245,8 +245,8 @@ async fn a_profile_of_the_users_own_is_offered_wherever_devices_are() {
     builder.choose_point("weather-station", "read:temperature").await;
     builder.wait_for_rtu("01 04 00 00 00 01 31 CA").await;
     let decoder = DecoderPage::open(&bench.browser).await;
-    bench.browser.choose("decoder-profile", "weather-station").await;
     decoder.paste("2A 04 00 00 00 01 37 D1\n2A 04 02 C9 FF 8B 26").await;
+    bench.browser.choose("decoder-profile", "weather-station").await;
     bench.browser.wait_for("document.body.innerText.includes('−5.5')").await;
     // Chosen for the connection, it is there after a reload, before anybody asks for the second program.
     bench.browser.open(&format!("{}/#/live", site())).await;

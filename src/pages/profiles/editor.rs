@@ -146,7 +146,7 @@ fn standing(app: &'static Workbench) -> El {
                 let told = language.profile_fault(row, column, &reason(language, fault));
                 let show = button(app, "small quiet", "profile-go-to-fault", Language::profile_go_to_fault)
                     .click(move || show_place(app, row, column));
-                let line = line("bad", "profile-fault", &told).attr("role", "alert").child(show);
+                let line = line("bad", "profile-fault", &told).child(show);
                 all.push(line.child(el("small").text(language.profile_fault_about())));
             }
             Ok(state::Loaded { id, taken: Some(taken) }) => all.push(taken_id(app, language, id, taken)),

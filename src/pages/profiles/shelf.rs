@@ -156,7 +156,9 @@ fn told(app: &'static Workbench) -> El {
             Told::TooLong(name) => fault(&language.profile_too_long(name)),
             Told::NoText(name) => fault(&language.profile_no_text(name)),
             Told::TooMany => fault(language.profile_too_many()),
-            Told::Imported(name) => done(&language.profile_imported(name)),
+            Told::Imported([en, zh]) => {
+                done(&language.profile_imported(if language == Language::En { en } else { zh }))
+            }
             Told::Deleted(file, _) => done(&language.profile_deleted(&name(file))).child(undo()),
             Told::Reverted(file) => done(&language.profile_reverted(&name(file))).child(undo()),
         })

@@ -63,8 +63,8 @@ pub(super) enum Told {
     NoText(String),
     /// No more profiles are kept.
     TooMany,
-    /// Brought in and saved.
-    Imported(String),
+    /// Brought in and saved: its names in English and Chinese.
+    Imported([String; 2]),
     /// Deleted: it was at this place.
     Deleted(File, usize),
     /// The typed changes were dropped.
@@ -261,7 +261,7 @@ impl Profiles {
         let free = profile.filter(|profile| self.own.with_untracked(|all| taken(all, None, &profile.id).is_none()));
         if let Some(profile) = free {
             if self.add(Some(text), None) {
-                self.told.set(Some(Told::Imported(profile.name.en)));
+                self.told.set(Some(Told::Imported([profile.name.en, profile.name.zh])));
             }
         } else {
             self.add(None, Some(text));
