@@ -262,7 +262,7 @@ impl App {
         if connection.source == Source::Replay && !self.is_replay() {
             self.forget_readings();
             // The figures are those of the chosen device.
-            if let Some(device) = device::all().iter().find(|device| device.packed() == connection.profile) {
+            if let Some(device) = device::of_packed(&connection.profile) {
                 self.settings.device.set(device.id().to_owned());
             }
         }

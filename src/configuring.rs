@@ -243,8 +243,8 @@ impl Workbench {
     }
 
     /// Takes over what the first program says of the connection.
-    pub(crate) fn device_connected(&self, told: Option<(String, u8)>) {
-        self.console.connected(told);
+    pub(crate) fn device_connected(&self, device: Option<&'static Device>, unit: Option<u8>) {
+        self.console.connected(device, unit);
         self.tell_device();
     }
 

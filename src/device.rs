@@ -1,77 +1,167 @@
-//! The built-in devices: profiles with what the page needs of them.
+//! The devices: profiles with what the page needs of them, the built-in ones and the user's own.
 
+use std::cell::RefCell;
 use std::sync::{LazyLock, OnceLock};
 
 use buslens_codec::line::{LineSettings, Mode};
 use buslens_codec::profile::{BUILT_IN, Point, Profile, Texts, Wire};
 use buslens_codec::value::Value;
+use reactive_graph::signal::ArcRwSignal;
 
 use crate::format;
 use crate::message::Status;
+use crate::reactive::prelude::*;
 use crate::text::Language;
 
-static DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
+static BUILT_IN_DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
     // Packed by this package's build script from the files that the codec's tests load.
     let packed: Vec<&'static [u8]> =
         postcard::from_bytes(include_bytes!(concat!(env!("OUT_DIR"), "/profiles"))).unwrap_or_default();
     if cfg!(test) {
         keep_whole();
     }
-    let profile = |place: usize, packed: &[u8]| {
-        let whole = WHOLE.get().and_then(|whole| whole(place));
-        whole.or_else(|| Profile::unpack(packed))
-    };
     let places = packed.into_iter().enumerate();
-    places.filter_map(|(place, packed)| Some(Device { place, packed, profile: profile(place, packed)? })).collect()
+    places.filter_map(|(place, packed)| Device::of(Text::BuiltIn(place), packed.to_vec())).collect()
 });
 
 /// Brings a whole profile, where [`keep_whole`] has been called.
-static WHOLE: OnceLock<fn(usize) -> Option<Profile>> = OnceLock::new();
+static WHOLE: OnceLock<fn(&Text) -> Option<Profile>> = OnceLock::new();
 
 /// From here on this program's devices have whole profiles, with their notes and help, not just what is essential. Call it
 /// first. The first program does without: it would carry all texts and their loader.
 pub(crate) fn keep_whole() {
     // Nobody minds that it has been called before.
-    let _ = WHOLE.set(|place| Profile::from_json(BUILT_IN.get(place)?).ok());
+    let _ = WHOLE.set(|text| Profile::from_json(text.words()).ok());
+}
+
+/// The user's own devices as they are now, and the one that is connected.
+static OWN: LazyLock<ArcRwSignal<Own>> = LazyLock::new(ArcRwSignal::default);
+
+#[derive(Clone, Default)]
+struct Own {
+    listed: Vec<&'static Device>,
+    /// The connection goes on with what it was made with, whatever has become of the profile since.
+    held: Option<&'static Device>,
+}
+
+thread_local! {
+    /// Every device of the user's that there has been: what is drawn holds them for good. One more a saved change.
+    static EVER: RefCell<Vec<&'static Device>> = const { RefCell::new(Vec::new()) };
 }
 
 /// A device that can be chosen.
 pub(crate) struct Device {
-    /// Its place among the built-in ones.
-    place: usize,
-    packed: &'static [u8],
+    text: Text,
+    packed: Vec<u8>,
     profile: Profile,
 }
 
-/// Every built-in device, at least one.
-pub(crate) fn all() -> &'static [Device] {
-    &DEVICES
+/// Where the text of a profile's file is.
+enum Text {
+    /// At this place among the built-in ones.
+    BuiltIn(usize),
+    /// Here; empty in the first program, which does without.
+    Own(String),
+}
+
+impl Text {
+    fn words(&self) -> &str {
+        match self {
+            Self::BuiltIn(place) => BUILT_IN.get(*place).copied().unwrap_or_default(),
+            Self::Own(text) => text,
+        }
+    }
+}
+
+/// The built-in devices, at least one.
+pub(crate) fn built_in() -> &'static [Device] {
+    &BUILT_IN_DEVICES
+}
+
+/// Every device that can be chosen: the built-in ones, then the user's own. Follows their changes.
+pub(crate) fn all() -> Vec<&'static Device> {
+    let mut all: Vec<&'static Device> = built_in().iter().collect();
+    OWN.with(|own| all.extend(&own.listed));
+    all
 }
 
 /// The first one: what a new user gets.
 pub(crate) fn first() -> &'static Device {
-    &all()[0]
+    &built_in()[0]
 }
 
-/// The device with this id, else the first.
+/// The device with this id, else the first. While a device is connected, it is as it was when that began.
 pub(crate) fn find(id: &str) -> &'static Device {
-    all().iter().find(|device| device.id() == id).unwrap_or_else(first)
+    known(id).unwrap_or_else(first)
 }
 
-/// The device whose packed profile this is.
+/// The device with this id, if there is one.
+pub(crate) fn known(id: &str) -> Option<&'static Device> {
+    let held = OWN.with(|own| own.held).filter(|device| device.id() == id);
+    held.or_else(|| all().into_iter().find(|device| device.id() == id))
+}
+
+/// The device whose packed profile this is, be it of an earlier edition.
 pub(crate) fn of_packed(packed: &[u8]) -> Option<&'static Device> {
-    all().iter().find(|device| device.packed == packed)
+    let fits = |device: &&'static Device| device.packed == packed;
+    let ever = EVER.with_borrow(|ever| ever.iter().copied().find(fits));
+    ever.or_else(|| built_in().iter().find(fits))
+}
+
+/// From now on these are the user's own devices: the text of each file, if this program has use for it, and its packed
+/// profile. One whose id is taken is left out.
+pub(crate) fn set_own(files: Vec<(String, Vec<u8>)>) {
+    let mut listed: Vec<&'static Device> = Vec::new();
+    for (text, packed) in files {
+        let device = EVER.with_borrow_mut(|ever| {
+            if let Some(found) = ever.iter().copied().find(|device| device.is(&text, &packed)) {
+                return Some(found);
+            }
+            let device: &'static Device = Box::leak(Box::new(Device::of(Text::Own(text), packed)?));
+            ever.push(device);
+            Some(device)
+        });
+        let taken = |id: &str| built_in().iter().chain(listed.iter().copied()).any(|device| device.id() == id);
+        if let Some(device) = device.filter(|device| !taken(device.id())) {
+            listed.push(device);
+        }
+    }
+    OWN.update(|own| own.listed = listed);
+}
+
+/// This device is connected, or none. Whether that is another one than before.
+pub(crate) fn hold(device: Option<&'static Device>) -> bool {
+    let same = |held: Option<&'static Device>| match (held, device) {
+        (Some(held), Some(device)) => std::ptr::eq(held, device),
+        (None, None) => true,
+        _ => false,
+    };
+    let changed = !OWN.with_untracked(|own| same(own.held));
+    if changed {
+        OWN.update(|own| own.held = device);
+    }
+    changed
 }
 
 impl Device {
+    fn of(text: Text, packed: Vec<u8>) -> Option<Self> {
+        let whole = WHOLE.get().and_then(|whole| whole(&text));
+        let profile = whole.or_else(|| Profile::unpack(&packed))?;
+        Some(Self { text, packed, profile })
+    }
+
+    fn is(&self, text: &str, packed: &[u8]) -> bool {
+        self.packed == packed && matches!(&self.text, Text::Own(own) if own == text)
+    }
+
     /// The text of its profile's file. The first program does without: it would carry all texts.
-    pub(crate) fn source(&self) -> &'static str {
-        BUILT_IN.get(self.place).copied().unwrap_or_default()
+    pub(crate) fn source(&self) -> &str {
+        self.text.words()
     }
 
     /// Its profile, packed.
-    pub(crate) fn packed(&self) -> &'static [u8] {
-        self.packed
+    pub(crate) fn packed(&self) -> &[u8] {
+        &self.packed
     }
 
     /// Its profile; in the first program what is essential of it.
@@ -163,12 +253,16 @@ pub(crate) fn pick(language: Language, texts: &Texts) -> &str {
     }
 }
 
-/// A point's value for reading, with a real minus sign.
+/// A point's value for reading; a number has a real minus sign, a text stays as the device tells it.
 pub(crate) fn value_text(language: Language, point: &Point, value: Value) -> String {
-    format::signed(&point.text(value, |texts| match language {
+    let text = point.text(value, |texts| match language {
         Language::En => &texts.en,
         Language::Zh => &texts.zh,
-    }))
+    });
+    match value {
+        Value::Number(_) | Value::Float(_) | Value::Double(_) => format::signed(&text),
+        Value::Code(_) | Value::Text(_) => text,
+    }
 }
 
 /// How many decimals a point's values have, as far as one value tells.
@@ -187,14 +281,40 @@ mod tests {
 
     #[test]
     fn every_built_in_profile_is_a_device_with_a_measurement() {
-        assert_eq!(all().len(), BUILT_IN.len());
-        assert!(all().iter().all(|device| !device.profile().help.is_empty()));
-        assert!(all().iter().all(|device| device.packed() == device.profile().pack()));
-        for device in all() {
+        assert_eq!(built_in().len(), BUILT_IN.len());
+        assert!(built_in().iter().all(|device| !device.profile().help.is_empty()));
+        assert!(built_in().iter().all(|device| device.packed() == device.profile().pack()));
+        for device in built_in() {
             assert!(std::ptr::eq(find(device.id()), device));
             assert!(!device.measurements().is_empty(), "{}", device.id());
             assert_ne!(device.name(Language::En), device.name(Language::Zh));
         }
+    }
+
+    /// Device signals are shared by all tests of this program, so one test does it all.
+    #[test]
+    fn the_users_own_are_listed_behind_the_built_in_ones_and_a_connection_keeps_its_own() {
+        let file = |id: &str, name: &str| {
+            let text =
+                BUILT_IN[1].replace("gauge-cable", id).replace("\"en\": \"Gauge", &["\"en\": \"", name].concat());
+            let packed = Profile::from_json(&text).unwrap().pack();
+            (text, packed)
+        };
+        let (first_edition, second) = (file("mine", "One"), file("mine", "Two"));
+        set_own(vec![first_edition.clone(), file("lvdt", "Taken"), file("mine", "Twice")]);
+        let ids: Vec<&str> = all().iter().skip(built_in().len()).map(|device| device.id()).collect();
+        assert_eq!(ids, ["mine"]);
+        let one = known("mine").unwrap();
+        assert_eq!(one.source(), first_edition.0);
+        hold(of_packed(&first_edition.1));
+        set_own(vec![second.clone()]);
+        assert!(std::ptr::eq(find("mine"), one));
+        assert_eq!(all().last().unwrap().source(), second.0);
+        set_own(vec![]);
+        assert!(std::ptr::eq(find("mine"), one));
+        hold(None);
+        assert!(known("mine").is_none() && std::ptr::eq(find("mine"), first()));
+        assert!(of_packed(&first_edition.1).is_some() && of_packed(&second.1).is_some());
     }
 
     #[test]

@@ -221,6 +221,17 @@ impl Handle {
         set(&self.0, "open", None);
     }
 
+    /// Ticks a box or unticks it.
+    pub(crate) fn set_checked(&self, checked: bool) {
+        // A box takes either.
+        let _ = Reflect::set(&self.0, &"checked".into(), &checked.into());
+    }
+
+    /// Whether a box is ticked.
+    pub(crate) fn is_checked(&self) -> bool {
+        Reflect::get(&self.0, &"checked".into()).is_ok_and(|checked| checked.is_truthy())
+    }
+
     /// Whether the focus that an event takes away goes to something inside.
     pub(crate) fn holds_next_focus(&self, event: &Event) -> bool {
         let next = event.dyn_ref::<FocusEvent>().and_then(FocusEvent::related_target);
@@ -354,6 +365,20 @@ pub(crate) fn select(id: &str, at: u32) {
     {
         // Text fields take any place.
         let _ = select.call2(&field, &at.into(), &at.into());
+    }
+}
+
+/// Brings the first that fits a selector inside what has this id to the middle of what scrolls around it.
+pub(crate) fn reveal(id: &str, selector: &str) {
+    let center = js_sys::Object::new();
+    // A plain object takes any property.
+    let _ = Reflect::set(&center, &"block".into(), &"center".into());
+    if let Some(found) = within(id, selector)
+        && let Ok(scroll) = Reflect::get(&found, &"scrollIntoView".into())
+        && let Some(scroll) = scroll.dyn_ref::<js_sys::Function>()
+    {
+        // Every element can be scrolled to.
+        let _ = scroll.call1(&found, &center);
     }
 }
 

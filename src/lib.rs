@@ -27,6 +27,7 @@ mod loader;
 mod message;
 mod pages;
 mod ports;
+mod profiles;
 mod reactive;
 mod route;
 mod serial;

@@ -13,10 +13,11 @@ use crate::components::button::button;
 use crate::components::icon::{Icon, icon};
 use crate::crash;
 use crate::device;
-use crate::dom::{El, el, react};
+use crate::dom::{El, el, on_window, react};
 use crate::link;
 use crate::message::ToWorkbench;
 use crate::reactive::prelude::*;
+use crate::storage::{self, OWN_PROFILES};
 use crate::text::Language;
 
 /// How far the second program is.
@@ -36,15 +37,28 @@ thread_local! {
     static PROGRAM: RefCell<Option<Program>> = const { RefCell::new(None) };
 }
 
-/// Keeps the workbench in the page's language.
+/// Keeps the workbench in the page's language. Where there are profiles of the user's, it is needed from the start: it
+/// alone can read their files.
 pub(crate) fn follow(app: &'static App) {
+    if storage::load(OWN_PROFILES).is_some() {
+        load(app);
+    }
+    on_window("storage", move |_| {
+        // Another tab may have made the first one.
+        if app.workbench.get_untracked() == Loading::Absent && storage::load(OWN_PROFILES).is_some() {
+            load(app);
+        }
+    });
     react(move || {
         let language = app.language.get();
         send(&ToWorkbench::Language(language), &JsValue::UNDEFINED);
     });
     react(move || {
         let used = app.connection.get().filter(|_| app.phase.get().is_connected());
-        let device = used.and_then(|used| Some((device::of_packed(&used.profile)?.id().to_owned(), used.unit.0)));
+        let unit = used.as_ref().map_or(0, |used| used.unit.0);
+        let device = used.and_then(|used| device::of_packed(&used.profile));
+        device::hold(device);
+        let device = device.map(|device| (device.packed().to_owned(), unit));
         if app.workbench.get() == Loading::There {
             send(&ToWorkbench::Device(device), &JsValue::UNDEFINED);
         }
@@ -90,11 +104,22 @@ fn load(app: &'static App) {
         let Ok(program) = loaded else { return app.workbench.set(Loading::Failed) };
         PROGRAM.with_borrow_mut(|slot| *slot = Some(program.unchecked_into()));
         let tell = Closure::<dyn Fn(String)>::new(|details: String| crash::report(&details));
-        let beside = Array::of2(tell.as_ref(), &link::worker());
+        let own = Closure::<dyn Fn(Vec<u8>)>::new(move |packed: Vec<u8>| take_own(app, &packed));
+        let beside = Array::of3(tell.as_ref(), &link::worker(), own.as_ref());
         send(&ToWorkbench::Start(app.language.get_untracked()), &beside);
         tell.forget();
+        own.forget();
         app.workbench.set(Loading::There);
     });
+}
+
+/// The user's own devices as the workbench has read them: a list of packed profiles, packed.
+fn take_own(app: &'static App, packed: &[u8]) {
+    let all: Vec<Vec<u8>> = postcard::from_bytes(packed).unwrap_or_default();
+    device::set_own(all.into_iter().map(|packed| (String::new(), packed)).collect());
+    if untrack(|| app.settings.known_device()).is_none() {
+        app.settings.device.set(device::first().id().to_owned());
+    }
 }
 
 /// Sends a message with what comes beside it.

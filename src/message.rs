@@ -47,15 +47,15 @@ pub(crate) enum ToWindow {
 /// The window's first program to its second one, the workbench. An element or a function comes beside some of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum ToWorkbench {
-    /// Begin, with all texts in this language. Beside it: the function that a fault's details are told to, and the
-    /// engine's worker.
+    /// Begin, with all texts in this language. Beside it: the function that a fault's details are told to, the engine's
+    /// worker, and the function that takes the user's own profiles, packed.
     Start(Language),
     /// The language is another one.
     Language(Language),
     /// Show this page, or none. Beside it: the element that it is to stand in.
     Page(Option<Page>),
-    /// The device that is connected, or none: its profile's id and its unit id.
-    Device(Option<(String, u8)>),
+    /// The device that is connected, or none: its packed profile and its unit id.
+    Device(Option<(Vec<u8>, u8)>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
     /// Show what can be done with the device that is being read, or nothing. Beside it: the element that it is to stand in.

@@ -15,6 +15,8 @@ pub(crate) enum Page {
     Decoder,
     /// `#/builder`.
     Builder,
+    /// `#/profiles`.
+    Profiles,
     /// `#/console`, or `#/console?send=HEX` with bytes to be sent.
     Console,
 }
@@ -26,6 +28,7 @@ impl Page {
             "decoder" => Self::Decoder,
             "builder" => Self::Builder,
             "console" => Self::Console,
+            "profiles" => Self::Profiles,
             _ => Self::Live,
         }
     }
@@ -171,6 +174,11 @@ mod tests {
     #[test]
     fn the_builder_has_an_address() {
         assert_eq!(Page::of("#/builder"), Page::Builder);
+    }
+
+    #[test]
+    fn the_profiles_have_an_address() {
+        assert_eq!(Page::of("#/profiles"), Page::Profiles);
     }
 
     #[test]

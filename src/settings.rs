@@ -62,6 +62,11 @@ impl Settings {
         self.device.with(|id| device::find(id))
     }
 
+    /// The chosen device, if it is known.
+    pub(crate) fn known_device(&self) -> Option<&'static Device> {
+        self.device.with(|id| device::known(id))
+    }
+
     /// Sets everything to the device's factory settings. The unit id stays: it is printed on the housing.
     pub(crate) fn reset(&self) {
         let factory = Factory::of(self.device());
@@ -116,7 +121,9 @@ impl Settings {
             stop_bits: self.stop_bits.with(|text| parse_stop_bits(text)),
         };
         let (unit, period_ms) = (UnitId(self.unit()?), self.period_ms()?);
-        Some(Connection { source, line, mode, unit, period_ms, profile: self.device().packed().to_owned() })
+        // A user's own device is not known before the workbench is there.
+        let profile = self.known_device()?.packed().to_owned();
+        Some(Connection { source, line, mode, unit, period_ms, profile })
     }
 }
 
@@ -242,7 +249,7 @@ mod tests {
 
     #[test]
     fn factory_settings_read_back_as_they_were() {
-        for device in device::all() {
+        for device in device::built_in() {
             let factory = Factory::of(device);
             let mode = parse_mode(factory.mode);
             let line = LineSettings {

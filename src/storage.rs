@@ -4,6 +4,9 @@ use crate::reactive::prelude::*;
 
 use crate::dom::react;
 
+/// The key of the user's own profiles. It is there only while there are any.
+pub(crate) const OWN_PROFILES: &str = "profiles";
+
 /// The string last saved under `key`.
 pub(crate) fn load(key: &str) -> Option<String> {
     local()?.get_item(&full(key)).ok().flatten()
@@ -11,8 +14,18 @@ pub(crate) fn load(key: &str) -> Option<String> {
 
 /// Saves a string. Best effort: a full or forbidden store costs only the memory.
 pub(crate) fn save(key: &str, value: &str) {
+    let _ = is_saved(key, value);
+}
+
+/// Saves a string, and says whether the browser has taken it.
+pub(crate) fn is_saved(key: &str, value: &str) -> bool {
+    local().is_some_and(|store| store.set_item(&full(key), value).is_ok())
+}
+
+/// Forgets what was saved.
+pub(crate) fn forget(key: &str) {
     if let Some(store) = local() {
-        let _ = store.set_item(&full(key), value);
+        let _ = store.remove_item(&full(key));
     }
 }
 

@@ -17,9 +17,10 @@ use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
 use crate::pages::{
-    Console, Decoder, Handling, builder_page, console_page, decoder_page, exchange_halves, handling, listen_at_console,
-    marks,
+    Console, Decoder, Handling, Profiles, builder_page, console_page, decoder_page, exchange_halves, handling,
+    listen_at_console, listen_at_profiles, marks, profiles_page,
 };
+use crate::profiles;
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -44,6 +45,8 @@ pub(crate) struct Workbench {
     pub(crate) configuring: Configuring,
     /// The Decoder page's state.
     pub(crate) decoder: Decoder,
+    /// The Profiles page's state.
+    pub(crate) profiles: Profiles,
     /// The last text whose checks the analyst has made, and what came of it.
     pub(crate) sums: RwSignal<Option<Summed>>,
     /// Counts the changes of the window's size.
@@ -73,6 +76,7 @@ impl Workbench {
             console: Console::remembered(),
             configuring: Configuring::new(),
             decoder: Decoder::remembered(),
+            profiles: Profiles::remembered(),
             sums: RwSignal::new(None),
             size_turn: RwSignal::new(0),
         }
@@ -148,9 +152,10 @@ impl Running {
                 put(&self.page, beside);
                 state.page.set(page);
             }
-            ToWorkbench::Device(device) => {
-                state.handling.connected(device.is_some());
-                state.device_connected(device);
+            ToWorkbench::Device(told) => {
+                let (packed, unit) = told.unzip();
+                state.handling.connected(unit.is_some());
+                state.device_connected(packed.and_then(|packed| device::of_packed(&packed)), unit);
             }
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
@@ -172,11 +177,30 @@ fn put(content: &Handle, place: &JsValue) {
     }
 }
 
-/// Begins. Beside it come the function that ends the whole page after a fault, and the engine's worker.
+/// Keeps both programs' devices as the user's files say.
+fn follow_own_profiles(state: &'static Workbench, tell: Function) {
+    let saved = Memo::new(move |_| state.profiles.saved());
+    dom::react(move || {
+        let taken: Vec<&str> = device::built_in().iter().map(device::Device::id).collect();
+        let all = saved.with(|saved| profiles::devices(saved.iter().map(String::as_str), &taken));
+        let all: Vec<(String, Vec<u8>)> = all.into_iter().map(|(text, profile)| (text, profile.pack())).collect();
+        let packed: Vec<&[u8]> = all.iter().map(|(_, packed)| packed.as_slice()).collect();
+        // Bytes in a list can always be packed.
+        let packed = postcard::to_allocvec(&packed).unwrap_or_default();
+        device::set_own(all);
+        // A first program that fails has told so before.
+        let _ = tell.call1(&JsValue::UNDEFINED, &Uint8Array::from(packed.as_slice()));
+    });
+    dom::on_window("storage", move |_| state.profiles.stored_elsewhere());
+}
+
+/// Begins. Beside it come the function that ends the whole page after a fault, the engine's worker, and the function that
+/// takes the user's own profiles.
 fn start(language: Language, beside: JsValue) {
     let parts: Array = beside.unchecked_into();
     let tell: Function = parts.get(0).unchecked_into();
     ENGINE.set(parts.get(1).dyn_into().ok());
+    let take_own: Function = parts.get(2).unchecked_into();
     device::keep_whole();
     crash::watch(move |details| {
         // The first program draws the page of the crash; there is nobody else to tell.
@@ -187,6 +211,8 @@ fn start(language: Language, beside: JsValue) {
         let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
         dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
         Handling::follow(state);
+        follow_own_profiles(state, take_own);
+        listen_at_profiles(state, || state.page.get_untracked() == Some(Page::Profiles));
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
@@ -197,6 +223,7 @@ fn start(language: Language, beside: JsValue) {
                 Page::Decoder => decoder_page(state),
                 Page::Builder => builder_page(state),
                 Page::Console => console_page(state),
+                Page::Profiles => profiles_page(state),
             })
         });
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));

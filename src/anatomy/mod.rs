@@ -717,7 +717,7 @@ mod tests {
             }
             let fitting = requests.iter().rev().find(|(_, request)| request.function() == rtu[1] & 0x7F);
             let request = fitting.map(|(_, request)| request).filter(|_| direction == Direction::Response);
-            let profiles = device::all().iter().map(|device| Some(device.profile())).chain([None]);
+            let profiles = device::built_in().iter().map(|device| Some(device.profile())).chain([None]);
             for (profile, language) in profiles.flat_map(|profile| LANGUAGES.map(|language| (profile, language))) {
                 for (bytes, mode) in [(&rtu, Mode::Rtu), (&ascii, Mode::Ascii)] {
                     for request in [None, request] {

@@ -191,14 +191,21 @@ impl Desk {
 
     /// Tells the analyst which profile names the values.
     pub(crate) fn send_profile(&self) {
-        let file = |id: &str| ProfileChoice::File(device::find(id).source().to_owned());
-        let choice = self.profile.with_untracked(|id| match id.as_str() {
+        self.analyst.send(&ToAnalyst::Profile(untrack(|| self.profile_choice())));
+    }
+
+    /// Which profile is to name the values, with its text as it is now.
+    pub(crate) fn profile_choice(&self) -> ProfileChoice {
+        let file = |id: &str| {
+            let device = device::known(id);
+            device.map_or(ProfileChoice::Auto, |device| ProfileChoice::File(device.source().to_owned()))
+        };
+        self.profile.with(|id| match id.as_str() {
             AUTO => ProfileChoice::Auto,
             NO_PROFILE => ProfileChoice::None,
-            CONNECTED => self.connected.with_untracked(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
+            CONNECTED => self.connected.with(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
             id => file(id),
-        });
-        self.analyst.send(&ToAnalyst::Profile(choice));
+        })
     }
 
     /// What the fields of the filter say; what cannot be read filters nothing.

@@ -13,6 +13,8 @@ pub(crate) enum Icon {
     Builder,
     /// A prompt in a frame: the console.
     Console,
+    /// Cards in a box: the devices' profiles.
+    Profiles,
     /// A star: a mark.
     Mark,
     /// A pencil: words.
@@ -49,6 +51,16 @@ pub(crate) enum Icon {
     Go,
     /// A sheet with a folded corner: a file.
     File,
+    /// A cross: one more.
+    Plus,
+    /// An arrow to the left: back.
+    Back,
+    /// An arrow up.
+    Up,
+    /// An arrow down.
+    Down,
+    /// Two strokes across: take away.
+    Remove,
 }
 
 impl Icon {
@@ -66,6 +78,7 @@ impl Icon {
             Self::Stop => "M4.5 4.5h9v9h-9z",
             Self::Keys => "M2 5h14v8.5H2zM4.6 7.6v.1M7.5 7.6v.1M10.4 7.6v.1M13.3 7.6v.1M5.5 11h7",
             Self::ThemeAuto => "M9 2.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 1 0 0-13zM9 2.5v13M9 6l5.7 0M9 9h6.5M9 12h5.7",
+            Self::Profiles => "M5 5.5V3h8v2.5M3 8.2V5.5h12v2.7M2 8.2h14v7H2zM7 11.7h4",
             Self::ThemeLight => {
                 "M9 6a3 3 0 1 0 0 6 3 3 0 1 0 0-6zM9 1.5v1.7M9 14.8v1.7M1.5 9h1.7M14.8 9h1.7M3.7 3.7l1.2 1.2M13.1 13.1l1.2 1.2M3.7 14.3l1.2-1.2M13.1 4.9l1.2-1.2"
             }
@@ -77,6 +90,11 @@ impl Icon {
             Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",
             Self::Lock => "M4 8h10v7.5H4zM6 8V5.5a3 3 0 0 1 6 0V8M9 11v1.6",
             Self::Go => "M3 9h11M10 5l4 4-4 4",
+            Self::Plus => "M9 3.5v11M3.5 9h11",
+            Self::Back => "M15 9H4M8 5L4 9l4 4",
+            Self::Up => "M9 15V4M5 8l4-4 4 4",
+            Self::Down => "M9 3v11M5 10l4 4 4-4",
+            Self::Remove => "M4.5 4.5l9 9M13.5 4.5l-9 9",
             Self::File => "M4.5 2.5h6l3 3v10h-9zM10.5 2.5v3h3",
         }
     }

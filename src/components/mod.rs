@@ -8,4 +8,5 @@ pub(crate) mod desk;
 pub(crate) mod field;
 pub(crate) mod icon;
 pub(crate) mod list;
+pub(crate) mod sheet;
 pub(crate) mod shell;

@@ -21,6 +21,7 @@ pub(crate) fn rail(app: &'static App) -> El {
     let console = move || app.page.get() == Page::Console;
     let decoder = move || app.page.get() == Page::Decoder;
     let builder = move || app.page.get() == Page::Builder;
+    let profiles = move || app.page.get() == Page::Profiles;
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
     let mark = mark
         .child(svg("circle").attr("cx", "9").attr("cy", "9").attr("r", "6.5"))
@@ -38,6 +39,7 @@ pub(crate) fn rail(app: &'static App) -> El {
         .child(page_link(app, "#/console", "nav-console", Icon::Console, Language::console, console))
         .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, decoder))
         .child(page_link(app, "#/builder", "nav-builder", Icon::Builder, Language::builder, builder))
+        .child(page_link(app, "#/profiles", "nav-profiles", Icon::Profiles, Language::profiles, profiles))
         .child(el("small").class("version").text(env!("CARGO_PKG_VERSION")))
 }
 

@@ -5,9 +5,11 @@ mod console;
 mod decoder;
 mod handling;
 mod live;
+mod profiles;
 
 pub(crate) use builder::{builder_bench, builder_page};
 pub(crate) use console::{Console, console_page, listen as listen_at_console};
 pub(crate) use decoder::{Decoder, decoder_page};
 pub(crate) use handling::{Handling, handling, marks};
 pub(crate) use live::{connect_above, exchange_halves, exchange_of, live_page};
+pub(crate) use profiles::{Profiles, listen as listen_at_profiles, profiles_page};

@@ -12,6 +12,7 @@ mod diagnosis;
 mod faults;
 mod handling;
 mod live;
+mod profiles;
 mod sequence;
 mod shell;
 
@@ -104,6 +105,7 @@ mod tests {
             handling::ALL,
             console::ALL,
             sequence::ALL,
+            profiles::ALL,
         ]
         .into_iter()
         .flatten()

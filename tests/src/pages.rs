@@ -5,6 +5,7 @@ mod console;
 mod decoder;
 mod handling;
 mod live;
+mod profiles;
 mod sequence;
 
 pub use builder::BuilderPage;
@@ -12,3 +13,4 @@ pub use console::ConsolePage;
 pub use decoder::DecoderPage;
 pub use handling::{Handling, is_read_only, set_read_only};
 pub use live::{Figures, LivePage, State};
+pub use profiles::ProfilesPage;

@@ -168,7 +168,7 @@ async fn a_server_that_this_project_did_not_write_is_read() {
     let registers = Registers {
         unit: 17,
         input: BTreeMap::from([(2, 0), (3, 285), (4, 0x8000), (5, 328)]),
-        holding: BTreeMap::new(),
+        ..Registers::default()
     };
     let bench = Bench::with_wire(Relay::serve(registers)).await;
     let page = LivePage::open(&bench.browser).await;
@@ -184,7 +184,7 @@ async fn a_server_that_this_project_did_not_write_is_read() {
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]
 async fn an_exception_is_told_by_name() {
-    let registers = Registers { unit: 1, input: BTreeMap::new(), holding: BTreeMap::new() };
+    let registers = Registers { unit: 1, ..Registers::default() };
     let bench = Bench::with_wire(Relay::serve(registers)).await;
     let page = LivePage::open(&bench.browser).await;
     page.set_line(9600, Parity::None).await;

@@ -70,6 +70,7 @@ async fn a_server_that_this_project_did_not_write_is_put_to_the_test() {
         unit: 17,
         input: BTreeMap::from([(2, 0), (3, 285), (4, 0x8000), (5, 328)]),
         holding: BTreeMap::from([(7, 1234)]),
+        ..Registers::default()
     };
     let bench = Bench::with_wire(Relay::serve(registers)).await;
     let page = console(&bench, 17, Parity::None).await;

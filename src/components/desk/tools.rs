@@ -22,7 +22,7 @@ pub(crate) fn counts_text(app: &'static Workbench, desk: &'static Desk) -> Strin
 pub(crate) fn filter_bar(app: &'static Workbench, desk: &'static Desk) -> El {
     let mut before = None;
     dom::react(move || {
-        let now = desk.profile.get();
+        let now = desk.profile_choice();
         // The analyst is told at its start.
         if before.replace(now.clone()).is_some_and(|before| before != now) {
             desk.send_profile();
@@ -96,7 +96,8 @@ fn profile_select(app: &'static Workbench, desk: &'static Desk) -> El {
                 |device| language.profile_auto_is(device.name(language)),
             );
             let option = |value: &str, text: &str| el("option").attr("value", value).text(text);
-            let devices = device::all().iter().map(|device| option(device.id(), device.name(language)));
+            let devices = device::all();
+            let devices = devices.iter().map(|device| option(device.id(), device.name(language)));
             let connected = || {
                 let device = desk.connected.with(|id| id.as_deref().map(|id| device::find(id).name(language)));
                 let text = device.map_or_else(

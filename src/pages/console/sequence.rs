@@ -25,7 +25,7 @@ use state::{Told, own_key, ready_key};
 pub(super) fn sequence_pane(app: &'static Workbench) -> El {
     let sequences = &app.console.sequences;
     // Whatever the text is checked by may have changed while another pane was open.
-    let device = Memo::new(move |_| sequences.device(&app.console).map(Device::id));
+    let device = Memo::new(move |_| sequences.device(&app.console).map(Device::source));
     dom::react(move || {
         sequences.text.track();
         device.track();
@@ -74,7 +74,7 @@ fn choice(app: &'static Workbench) -> El {
             let language = app.language.get();
             let ready = READY.iter().enumerate().map(|(at, text)| {
                 let (id, title) = outline(text);
-                let device = device::all().iter().find(|device| Some(device.id()) == id);
+                let device = id.and_then(device::known);
                 let named = device.map(|device| language.seq_acceptance(device.name(language)));
                 option(&ready_key(at), named.as_deref().or(title).unwrap_or_default())
             });

@@ -219,7 +219,7 @@ impl Console {
             return None;
         }
         let connected = || self.desk.connected.get().map(|id| device::find(&id));
-        let named = device::all().iter().find(|device| device.id() == chosen);
+        let named = device::known(&chosen);
         named.or_else(|| self.desk.device()).or_else(connected)
     }
 
@@ -233,16 +233,22 @@ impl Console {
         self.line.with(|line| line.as_ref().map_or(Mode::Rtu, |line| line.mode))
     }
 
+    /// Whether the device with this id is connected.
+    pub(crate) fn is_connected(&self, id: &str) -> bool {
+        self.desk.connected.with(|connected| connected.as_deref() == Some(id))
+    }
+
     /// Whether something can be sent.
     pub(super) fn is_open(&self) -> bool {
         self.line.with(|line| line.as_ref().is_some_and(|line| line.open && !line.replay))
     }
 
     /// Takes over what the first program says of the connection.
-    pub(crate) fn connected(&self, told: Option<(String, u8)>) {
-        let (device, unit) = told.unzip();
+    pub(crate) fn connected(&self, device: Option<&'static Device>, unit: Option<u8>) {
         self.unit.set(unit);
-        if self.desk.connected.with_untracked(|before| *before != device) {
+        let edition_changed = device::hold(device);
+        let device = device.map(|device| device.id().to_owned());
+        if edition_changed || self.desk.connected.with_untracked(|before| *before != device) {
             self.desk.connected.set(device);
             if self.started.get_value() {
                 self.desk.send_profile();

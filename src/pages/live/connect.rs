@@ -13,6 +13,7 @@ use crate::device;
 use crate::dom::{self, El, el};
 use crate::format;
 use crate::link;
+use crate::loader::Loading;
 use crate::message::{PortId, Source, ToEngine};
 use crate::ports;
 use crate::serial;
@@ -68,7 +69,7 @@ fn actions(app: &'static App) -> El {
     let demo = button(app, "large", "demo", Language::try_without_hardware)
         .live_class("primary", || serial::missing().is_some())
         .live_attr("title", move || Some(app.language.get().try_hint().to_owned()))
-        .flag("disabled", move || is_opening(app))
+        .flag("disabled", move || is_opening(app) || app.settings.known_device().is_none())
         .click(move || app.demonstrate());
     el("footer").child(connect).child(demo)
 }
@@ -186,7 +187,15 @@ fn device_field(app: &'static App) -> El {
         let language = app.language.get();
         device::all().iter().map(|device| (device.id().to_owned(), device.name(language).to_owned())).collect()
     });
-    el("div").class("wide").child(field(app, "profile", Language::device, select, || None))
+    // A device of the user's own is known once the workbench has read its file.
+    let missing = move || {
+        let language = app.language.get();
+        settings.known_device().is_none().then(|| match app.workbench.get() {
+            Loading::Failed => Note::Wrong(language.loading_failed().to_owned()),
+            _ => Note::Hint(language.loading().to_owned()),
+        })
+    };
+    el("div").class("wide").child(field(app, "profile", Language::device, select, missing))
 }
 
 fn unit_field(app: &'static App) -> El {

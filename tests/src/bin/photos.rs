@@ -6,7 +6,9 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, Handling, LivePage, State, set_read_only};
+use buslens_tests::pages::{
+    BuilderPage, ConsolePage, DecoderPage, Handling, LivePage, ProfilesPage, State, set_read_only,
+};
 use buslens_tests::testbed::{Bench, Browser, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -36,11 +38,14 @@ enum Scene {
     BuilderEmpty,
     BuilderFrame,
     BuilderError,
+    ProfilesList,
+    ProfilesForm,
+    ProfilesFault,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 22] = [
+const SCENES: [(&str, Scene); 25] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-level", Scene::LiveLevel),
@@ -62,6 +67,9 @@ const SCENES: [(&str, Scene); 22] = [
     ("builder-empty", Scene::BuilderEmpty),
     ("builder-frame", Scene::BuilderFrame),
     ("builder-error", Scene::BuilderError),
+    ("profiles-list", Scene::ProfilesList),
+    ("profiles-form", Scene::ProfilesForm),
+    ("profiles-fault", Scene::ProfilesFault),
     ("crash", Scene::Crash),
 ];
 
@@ -182,6 +190,7 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.calculate("01 03 00 31\n00 0x").await;
             browser.wait_for("document.querySelector('[data-test=calculator-error]')").await;
         }
+        Scene::ProfilesList | Scene::ProfilesForm | Scene::ProfilesFault => set_profiles(browser, site, scene).await,
         Scene::Crash => {
             browser.open(site).await;
             LivePage::open(browser).await;
@@ -202,6 +211,31 @@ async fn demonstrate<'a>(browser: &'a Browser, device: &str) -> Handling<'a> {
     browser.click("demo").await;
     page.wait_for(State::Reading).await;
     Handling::open(browser).await
+}
+
+/// Brings the Profiles page into a scene.
+async fn set_profiles(browser: &Browser, site: &str, scene: Scene) {
+    match scene {
+        Scene::ProfilesList => {
+            ProfilesPage::open_at(browser, site).await;
+        }
+        Scene::ProfilesForm => {
+            let page = ProfilesPage::open_at(browser, site).await;
+            page.choose("level").await;
+            browser.click("profile-duplicate").await;
+            page.save().await;
+            page.show_form().await;
+            browser.click_nth("profile-point", 1).await;
+        }
+        Scene::ProfilesFault => {
+            let page = ProfilesPage { browser };
+            page.show_text().await;
+            let text = page.text().await;
+            page.write(&text.replacen("\"rtu\"", "\"rtx\"", 1)).await;
+            page.fault().await;
+        }
+        _ => {}
+    }
 }
 
 /// Brings the Console page into a scene.

@@ -112,6 +112,17 @@ impl Browser {
         self.client.execute_async(&script, vec![]).await.unwrap_or_else(|error| panic!("{script}\n{error}"))
     }
 
+    /// Opens an address in another tab, does something there, and comes back to this one.
+    pub async fn in_another_tab(&self, address: &str, act: impl AsyncFnOnce()) {
+        let here = self.client.window().await.expect("the tab has a name");
+        let other = self.client.new_window(true).await.expect("a new tab opens");
+        self.client.switch_to_window(other.handle).await.expect("the new tab is there");
+        self.open(address).await;
+        act().await;
+        self.client.close_window().await.expect("the tab closes");
+        self.client.switch_to_window(here).await.expect("the first tab is still there");
+    }
+
     /// Waits until an expression becomes true, looking whenever the page has changed or drawn.
     pub async fn wait_for(&self, expression: &str) -> Value {
         let mut script = String::new();

@@ -25,10 +25,30 @@ use super::wire::{FarEnd, Wire};
 pub struct Registers {
     /// Its unit id.
     pub unit: u8,
+    /// Coils by address.
+    pub coils: BTreeMap<u16, bool>,
+    /// Discrete inputs by address.
+    pub discrete: BTreeMap<u16, bool>,
     /// Input registers by address.
     pub input: BTreeMap<u16, u16>,
     /// Holding registers by address.
     pub holding: BTreeMap<u16, u16>,
+}
+
+impl Registers {
+    /// Puts values into the holding registers from an address on.
+    #[must_use]
+    pub fn hold(mut self, address: u16, values: &[u16]) -> Self {
+        self.holding.extend((address..).zip(values.iter().copied()));
+        self
+    }
+
+    /// The same with the input registers.
+    #[must_use]
+    pub fn input(mut self, address: u16, values: &[u16]) -> Self {
+        self.input.extend((address..).zip(values.iter().copied()));
+        self
+    }
 }
 
 impl Service for Registers {
@@ -41,11 +61,13 @@ impl Service for Registers {
         if request.slave != self.unit {
             return ready(Ok(None));
         }
-        let read = |table: &BTreeMap<u16, u16>, address: u16, quantity: u16| {
-            let registers = (0..quantity).map(|offset| table.get(&address.checked_add(offset)?).copied());
-            registers.collect::<Option<Vec<u16>>>().ok_or(ExceptionCode::IllegalDataAddress)
-        };
         ready(match request.request {
+            Request::ReadCoils(address, quantity) => {
+                read(&self.coils, address, quantity).map(|values| Some(Response::ReadCoils(values)))
+            }
+            Request::ReadDiscreteInputs(address, quantity) => {
+                read(&self.discrete, address, quantity).map(|values| Some(Response::ReadDiscreteInputs(values)))
+            }
             Request::ReadInputRegisters(address, quantity) => {
                 read(&self.input, address, quantity).map(|values| Some(Response::ReadInputRegisters(values)))
             }
@@ -55,6 +77,12 @@ impl Service for Registers {
             _ => Err(ExceptionCode::IllegalFunction),
         })
     }
+}
+
+/// Neighbouring entries of a table, all of which must be there.
+fn read<T: Copy>(table: &BTreeMap<u16, T>, address: u16, quantity: u16) -> Result<Vec<T>, ExceptionCode> {
+    let values = (0..quantity).map(|offset| table.get(&address.checked_add(offset)?).copied());
+    values.collect::<Option<Vec<T>>>().ok_or(ExceptionCode::IllegalDataAddress)
 }
 
 /// Carries bytes to and from the server, each character in its time. The server's line is 9600 8N1.

@@ -216,13 +216,13 @@ impl Sequences {
 
     /// The device that the text is for: the one that it names, else the one that names the log's values.
     pub(super) fn device(&self, console: &Console) -> Option<&'static Device> {
-        let named = self.text.with(|text| outline(text).0.and_then(known_device));
+        let named = self.text.with(|text| outline(text).0.and_then(device::known));
         named.or_else(|| console.device())
     }
 
     /// The device that the text names, and another one that is connected.
     pub(super) fn other_device(&self, console: &Console) -> Option<(&'static Device, &'static Device)> {
-        let named = self.text.with(|text| outline(text).0.and_then(known_device))?;
+        let named = self.text.with(|text| outline(text).0.and_then(device::known))?;
         let connected = console.desk.connected.get().map(|id| device::find(&id))?;
         (connected.id() != named.id()).then_some((named, connected))
     }
@@ -319,8 +319,4 @@ impl Sequences {
         self.report.update_value(|report| report.apply(changes));
         self.turn.update(|turn| *turn = turn.wrapping_add(1));
     }
-}
-
-fn known_device(id: &str) -> Option<&'static Device> {
-    device::all().iter().find(|device| device.id() == id)
 }

@@ -171,9 +171,7 @@ pub(super) fn fault(language: Language, kind: &FaultKind) -> String {
         FaultKind::ElseNotHere => language.seq_else_not_here().to_owned(),
         FaultKind::OnlyAtTheTop => language.seq_top_only().to_owned(),
         FaultKind::NoProfile(word) => language.seq_no_profile(word),
-        FaultKind::OtherDevice { wanted, .. } if !device::all().iter().any(|device| device.id() == wanted) => {
-            language.seq_for_unknown(wanted)
-        }
+        FaultKind::OtherDevice { wanted, .. } if device::known(wanted).is_none() => language.seq_for_unknown(wanted),
         FaultKind::OtherDevice { wanted, found } => language.seq_for_other(wanted, found),
         FaultKind::UnknownName(word) => language.seq_unknown_name(word),
         FaultKind::UnknownPoint(word) => language.seq_unknown_point(word),
