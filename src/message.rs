@@ -51,6 +51,9 @@ pub(crate) enum ToWorkbench {
     Page(Option<Page>),
     /// The device that is connected, or none: its profile's id and its unit id.
     Device(Option<(String, u8)>),
+    /// Open the help of the connected device, else of the chosen one with this id; or no more of it. Beside it: the
+    /// element that it is to stand in.
+    Help(Option<String>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
 }

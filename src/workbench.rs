@@ -15,7 +15,10 @@ use crate::crash;
 use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
-use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
+use crate::pages::{
+    Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, help_sheet, listen_at_console,
+    open_help,
+};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -38,6 +41,8 @@ pub(crate) struct Workbench {
     pub(crate) decoder: Decoder,
     /// The last text whose checks the analyst has made, and what came of it.
     pub(crate) sums: RwSignal<Option<Summed>>,
+    /// Id of the device whose help was asked for, if none is connected.
+    pub(crate) help: RwSignal<Option<String>>,
     /// Counts the changes of the window's size.
     pub(crate) size_turn: RwSignal<u32>,
 }
@@ -64,6 +69,7 @@ impl Workbench {
             console: Console::remembered(),
             decoder: Decoder::remembered(),
             sums: RwSignal::new(None),
+            help: RwSignal::new(None),
             size_turn: RwSignal::new(0),
         }
     }
@@ -98,6 +104,7 @@ struct Running {
     state: &'static Workbench,
     page: Handle,
     exchange: Handle,
+    help: Handle,
 }
 
 thread_local! {
@@ -130,6 +137,14 @@ impl Running {
                 state.page.set(page);
             }
             ToWorkbench::Device(device) => state.console.connected(device),
+            ToWorkbench::Help(chosen) => {
+                put(&self.help, beside);
+                let open = chosen.is_some();
+                state.help.set(chosen);
+                if open {
+                    open_help(self.help.clone());
+                }
+            }
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
                 state.exchange.set(exchange);
@@ -174,6 +189,7 @@ fn start(language: Language, beside: JsValue) {
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));
         let exchange = el("div").class("contents").live_one(move || shown.get().then(|| exchange_halves(state)));
         let exchange = exchange.handle();
-        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange }));
+        let help = help_sheet(state).handle();
+        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange, help }));
     });
 }

@@ -3,9 +3,11 @@
 mod builder;
 mod console;
 mod decoder;
+mod help;
 mod live;
 
 pub(crate) use builder::{builder_bench, builder_page};
 pub(crate) use console::{Console, console_page, listen as listen_at_console};
 pub(crate) use decoder::{Decoder, decoder_page};
+pub(crate) use help::{help_sheet, open_help};
 pub(crate) use live::{connect_above, exchange_halves, live_page};

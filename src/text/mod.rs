@@ -10,6 +10,7 @@ mod decoder;
 mod desk;
 mod diagnosis;
 mod faults;
+mod help;
 mod live;
 mod sequence;
 mod shell;

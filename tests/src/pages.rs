@@ -3,10 +3,12 @@
 mod builder;
 mod console;
 mod decoder;
+mod help;
 mod live;
 mod sequence;
 
 pub use builder::BuilderPage;
 pub use console::ConsolePage;
 pub use decoder::DecoderPage;
+pub use help::HelpSheet;
 pub use live::{Figures, LivePage, State};

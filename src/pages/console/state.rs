@@ -235,6 +235,11 @@ impl Console {
         self.line.with(|line| line.as_ref().is_some_and(|line| line.open && !line.replay))
     }
 
+    /// Id of the profile of the device that is connected.
+    pub(crate) fn connected_device(&self) -> Option<String> {
+        self.desk.connected.get()
+    }
+
     /// Takes over what the first program says of the connection.
     pub(crate) fn connected(&self, told: Option<(String, u8)>) {
         let (device, unit) = told.unzip();

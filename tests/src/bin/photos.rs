@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
-use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, LivePage, State};
+use buslens_tests::pages::{BuilderPage, ConsolePage, DecoderPage, HelpSheet, LivePage, State};
 use buslens_tests::testbed::{Bench, Browser, Look};
 
 const LANGUAGES: [&str; 2] = ["en", "zh-CN"];
@@ -33,11 +33,14 @@ enum Scene {
     BuilderEmpty,
     BuilderFrame,
     BuilderError,
+    HelpLvdt,
+    HelpGauge,
+    HelpLevel,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 19] = [
+const SCENES: [(&str, Scene); 22] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-fault", Scene::LiveFault),
@@ -56,6 +59,9 @@ const SCENES: [(&str, Scene); 19] = [
     ("builder-empty", Scene::BuilderEmpty),
     ("builder-frame", Scene::BuilderFrame),
     ("builder-error", Scene::BuilderError),
+    ("help-lvdt", Scene::HelpLvdt),
+    ("help-gauge", Scene::HelpGauge),
+    ("help-level", Scene::HelpLevel),
     ("crash", Scene::Crash),
 ];
 
@@ -155,6 +161,9 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             page.calculate("01 03 00 31\n00 0x").await;
             browser.wait_for("document.querySelector('[data-test=calculator-error]')").await;
         }
+        Scene::HelpLvdt => open_help(browser, "lvdt").await,
+        Scene::HelpGauge => open_help(browser, "gauge-cable").await,
+        Scene::HelpLevel => open_help(browser, "level").await,
         Scene::Crash => {
             browser.open(site).await;
             LivePage::open(browser).await;
@@ -164,6 +173,16 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.wait_for("document.querySelector('[data-test=crash]')").await;
         }
     }
+}
+
+/// Opens the help of a device over the Live page.
+async fn open_help(browser: &Browser, device: &str) {
+    if device != "lvdt" {
+        HelpSheet { browser }.close().await;
+    }
+    LivePage::open(browser).await;
+    browser.choose("profile", device).await;
+    HelpSheet::open(browser).await;
 }
 
 /// Brings the Console page into a scene.
