@@ -62,6 +62,8 @@ pub(crate) struct App {
     pub(crate) history: StoredValue<History>,
     /// How far the second program is.
     pub(crate) workbench: RwSignal<Loading>,
+    /// Counts how often the device's help was asked for.
+    pub(crate) help: RwSignal<u32>,
     /// Counts the changes of the history.
     pub(crate) history_turn: RwSignal<u32>,
     /// Ticks ten times a second while connected, and whenever the window changes its size.
@@ -170,6 +172,7 @@ impl App {
             history: StoredValue::new(History::default()),
             page: route::follow(),
             workbench: RwSignal::new(Loading::Absent),
+            help: RwSignal::new(0),
             history_turn: RwSignal::new(0),
             clock_turn: RwSignal::new(0),
             clock_lead_s: StoredValue::new(None),
@@ -312,7 +315,12 @@ fn build() {
             }
         })
     });
-    mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content));
+    // A new place each time: the workbench opens its sheet in it.
+    let help = move || {
+        let chosen = move || ToWorkbench::Help(Some(app.settings.device.get_untracked()));
+        (app.help.get() > 0).then(|| loader::place(app, chosen, ToWorkbench::Help(None)))
+    };
+    mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content).live_one(help));
 }
 
 /// Drives what changes with time alone: ages and the moving strip.

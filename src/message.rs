@@ -56,6 +56,9 @@ pub(crate) enum ToWorkbench {
     Page(Option<Page>),
     /// The device that is connected, or none: its packed profile and its unit id.
     Device(Option<(Vec<u8>, u8)>),
+    /// Open the help of the connected device, else of the chosen one with this id; or no more of it. Beside it: the
+    /// element that it is to stand in.
+    Help(Option<String>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
     /// Show what can be done with the device that is being read, or nothing. Beside it: the element that it is to stand in.

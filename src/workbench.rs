@@ -18,7 +18,7 @@ use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
 use crate::pages::{
     Console, Decoder, Handling, Profiles, builder_page, console_page, decoder_page, exchange_halves, handling,
-    listen_at_console, listen_at_profiles, marks, profiles_page,
+    help_sheet, listen_at_console, listen_at_profiles, marks, open_help, profiles_page,
 };
 use crate::profiles;
 use crate::reactive::prelude::*;
@@ -49,6 +49,8 @@ pub(crate) struct Workbench {
     pub(crate) profiles: Profiles,
     /// The last text whose checks the analyst has made, and what came of it.
     pub(crate) sums: RwSignal<Option<Summed>>,
+    /// Id of the device whose help was asked for, if none is connected.
+    pub(crate) help: RwSignal<Option<String>>,
     /// Counts the changes of the window's size.
     pub(crate) size_turn: RwSignal<u32>,
 }
@@ -78,6 +80,7 @@ impl Workbench {
             decoder: Decoder::remembered(),
             profiles: Profiles::remembered(),
             sums: RwSignal::new(None),
+            help: RwSignal::new(None),
             size_turn: RwSignal::new(0),
         }
     }
@@ -121,6 +124,7 @@ struct Running {
     exchange: Handle,
     handling: Handle,
     marks: Handle,
+    help: Handle,
 }
 
 thread_local! {
@@ -156,6 +160,14 @@ impl Running {
                 let (packed, unit) = told.unzip();
                 state.handling.connected(unit.is_some());
                 state.device_connected(packed.and_then(|packed| device::of_packed(&packed)), unit);
+            }
+            ToWorkbench::Help(chosen) => {
+                put(&self.help, beside);
+                let open = chosen.is_some();
+                state.help.set(chosen);
+                if open {
+                    open_help(self.help.clone());
+                }
             }
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
@@ -230,6 +242,7 @@ fn start(language: Language, beside: JsValue) {
         let exchange = el("div").class("contents").live_one(move || shown.get().then(|| exchange_halves(state)));
         let exchange = exchange.handle();
         let (handling, marks) = (handling(state).handle(), marks(state).handle());
-        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange, handling, marks }));
+        let help = help_sheet(state).handle();
+        RUNNING.with_borrow_mut(|slot| *slot = Some(Running { state, page, exchange, handling, marks, help }));
     });
 }

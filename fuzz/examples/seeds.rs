@@ -211,6 +211,9 @@ fn profiles() {
     let scaled = point("v", 2, r#"{"type":"i16"}"#, r#","decimals_from":"d""#);
     let example = r#","examples":[{"point":"v","registers":[65535],"decimals":2,"text":"-0.01"}]"#;
     small("scaled", &format!("{scale},{scaled}"), example);
+    small("factor", &point("v", 2, r#"{"type":"i16"}"#, r#","scale":0.005,"offset":"-40""#), "");
+    let coil = r#"{"id":"p","name":{"en":"","zh":""},"register":2,"encoding":{"type":"code"},"read":[1,3],"write":[15],"role":"measurement"}"#;
+    small("coil", coil, r#","groups":[{"function":1,"address":0,"quantity":9}]"#);
     let codes = r#","effects":["baud"],"codes":[{"code":1,"number":9600}]"#;
     let group = r#","groups":[{"function":3,"address":0,"quantity":4}],"choices":{"bauds":[9600,19200],"modes":["rtu","ascii"]}"#;
     small("codes", &point("b", 3, r#"{"type":"code"}"#, codes), group);

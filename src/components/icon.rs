@@ -39,6 +39,8 @@ pub(crate) enum Icon {
     Fault,
     /// A ring with an i: information.
     Info,
+    /// A ring with a question mark: help.
+    Help,
     /// Turn back: reset.
     Reset,
     /// A tick: done.
@@ -85,6 +87,9 @@ impl Icon {
             Self::ThemeDark => "M15 10.8A6.5 6.5 0 0 1 7.2 3a6.5 6.5 0 1 0 7.8 7.8z",
             Self::Fault => "M9 2.5 16.5 15.5h-15zM9 7.5v3.6M9 13.2v.1",
             Self::Info => "M9 2.2a6.8 6.8 0 1 0 0 13.6 6.8 6.8 0 1 0 0-13.6zM9 8.2v4.3M9 5.5v.1",
+            Self::Help => {
+                "M9 2.2a6.8 6.8 0 1 0 0 13.6 6.8 6.8 0 1 0 0-13.6zM7 7.3a2 2 0 1 1 3 1.7c-.7.4-1 .7-1 1.4M9 12.7v.1"
+            }
             Self::Reset => "M3.5 3.5v4h4M3.9 7.5A6 6 0 1 1 3.2 11",
             Self::Done => "M3.5 9.5l4 4 7-8.5",
             Self::Plug => "M6.5 2v4M11.5 2v4M4.5 6h9v3a4.5 4.5 0 0 1-9 0zM9 13.5V16.5",

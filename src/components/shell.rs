@@ -93,6 +93,12 @@ pub(crate) fn top_bar(app: &'static App) -> El {
         .child(trip)
         .child(el("span").class("space"))
         .child(read_only_switch(app))
+        .child(
+            bare("quiet square", "help")
+                .label(app, Language::device_help)
+                .child(icon(Icon::Help))
+                .click(|| app.help.update(|turn| *turn += 1)),
+        )
         .child(theme_switch(app))
         .child(language_switch(app))
         .live_one(move || {

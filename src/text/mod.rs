@@ -11,6 +11,7 @@ mod desk;
 mod diagnosis;
 mod faults;
 mod handling;
+mod help;
 mod live;
 mod profiles;
 mod sequence;

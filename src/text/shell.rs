@@ -7,6 +7,7 @@ texts! {
     decoder => "Decoder" | "解码";
     console => "Console" | "控制台";
     profiles => "Profiles" | "设备库";
+    device_help => "Help with the device" | "设备帮助";
     pages => "Pages" | "页面";
     switch_language => "中文" | "English";
     switch_language_label => "Switch to Chinese" | "切换到英文";

@@ -164,8 +164,10 @@ mod tests {
 
     use proptest::prelude::*;
 
+    use super::super::Scale;
     use super::super::tests::built_in;
     use super::*;
+    use crate::value::{Order, Width};
 
     /// Id, value and unit of each point; a star where the scale is not known.
     fn shown(profile: &Profile, function: u8, address: u16, registers: &[u16], known: &mut Known) -> Vec<String> {
@@ -253,6 +255,39 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn what_is_scaled_by_a_factor_comes_back(
+            registers in any::<[u16; 2]>(), factor in (-999i64..=999).prop_filter("not 0", |factor| *factor != 0),
+            places in 0u8..=4, offset in -9999i64..=9999, decimals in 0u8..=3, kind in 0usize..4,
+        ) {
+            let mut level = built_in("level");
+            let at = level.points.iter().position(|point| point.id == "value").unwrap();
+            let (width, order) = (Width::One, Order::Abcd);
+            level.points[at].encoding = match kind {
+                0 => Encoding::Integer { width, signed: true, decimals: 0, order },
+                1 => Encoding::Integer { width, signed: false, decimals: 0, order },
+                2 => Encoding::SignMagnitude { width, decimals: 0, order },
+                _ => Encoding::Bcd { width, decimals: 0, order },
+            };
+            let scale = Scale {
+                factor: Decimal { mantissa: factor, decimals: places },
+                offset: Decimal { mantissa: offset, decimals: 2 },
+            };
+            level.points[at].scale = Some(scale);
+            let known = &mut Known::default();
+            level.decode_points(3, 3, &[decimals.into()], known);
+            let point = &level.points[at];
+            for register in registers {
+                let found = level.decode_points(3, 4, &[register], known);
+                let Ok(value) = found[0].value else { continue };
+                prop_assert!(found[0].scaled);
+                let again = level.encode_point(point, value, known).unwrap();
+                // A negative zero is a zero.
+                prop_assert_eq!(level.decode_points(3, 4, &again, known)[0].value, Ok(value));
+                prop_assert_eq!(level.encode_point_over(point, value, known, &[register]), Ok(again));
+            }
+        }
+
         #[test]
         fn no_registers_panic(function: u8, address: u16, registers in prop::collection::vec(any::<u16>(), 0..12), low: bool) {
             for id in ["lvdt", "gauge-cable", "level"] {

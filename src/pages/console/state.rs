@@ -243,6 +243,11 @@ impl Console {
         self.line.with(|line| line.as_ref().is_some_and(|line| line.open && !line.replay))
     }
 
+    /// Id of the profile of the device that is connected.
+    pub(crate) fn connected_device(&self) -> Option<String> {
+        self.desk.connected.get()
+    }
+
     /// Takes over what the first program says of the connection.
     pub(crate) fn connected(&self, device: Option<&'static Device>, unit: Option<u8>) {
         self.unit.set(unit);

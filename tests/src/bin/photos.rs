@@ -7,7 +7,7 @@ use std::{env, fs};
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
 use buslens_tests::pages::{
-    BuilderPage, ConsolePage, DecoderPage, Handling, LivePage, ProfilesPage, State, set_read_only,
+    BuilderPage, ConsolePage, DecoderPage, Handling, HelpSheet, LivePage, ProfilesPage, State, set_read_only,
 };
 use buslens_tests::testbed::{Bench, Browser, Look};
 
@@ -41,11 +41,14 @@ enum Scene {
     ProfilesList,
     ProfilesForm,
     ProfilesFault,
+    HelpLvdt,
+    HelpGauge,
+    HelpLevel,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 25] = [
+const SCENES: [(&str, Scene); 28] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-level", Scene::LiveLevel),
@@ -70,6 +73,9 @@ const SCENES: [(&str, Scene); 25] = [
     ("profiles-list", Scene::ProfilesList),
     ("profiles-form", Scene::ProfilesForm),
     ("profiles-fault", Scene::ProfilesFault),
+    ("help-lvdt", Scene::HelpLvdt),
+    ("help-gauge", Scene::HelpGauge),
+    ("help-level", Scene::HelpLevel),
     ("crash", Scene::Crash),
 ];
 
@@ -191,6 +197,9 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.wait_for("document.querySelector('[data-test=calculator-error]')").await;
         }
         Scene::ProfilesList | Scene::ProfilesForm | Scene::ProfilesFault => set_profiles(browser, site, scene).await,
+        Scene::HelpLvdt => open_help(browser, "lvdt").await,
+        Scene::HelpGauge => open_help(browser, "gauge-cable").await,
+        Scene::HelpLevel => open_help(browser, "level").await,
         Scene::Crash => {
             browser.open(site).await;
             LivePage::open(browser).await;
@@ -236,6 +245,16 @@ async fn set_profiles(browser: &Browser, site: &str, scene: Scene) {
         }
         _ => {}
     }
+}
+
+/// Opens the help of a device over the Live page.
+async fn open_help(browser: &Browser, device: &str) {
+    if device != "lvdt" {
+        HelpSheet { browser }.close().await;
+    }
+    LivePage::open(browser).await;
+    browser.choose("profile", device).await;
+    HelpSheet::open(browser).await;
 }
 
 /// Brings the Console page into a scene.
