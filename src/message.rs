@@ -105,6 +105,8 @@ pub(crate) enum ToSimulator {
     },
     /// The port sends these bytes.
     Write(Vec<u8>),
+    /// The sensor's supply is cut for a moment.
+    PowerCycle,
     /// Time has passed.
     Time,
 }

@@ -47,6 +47,7 @@ impl Stage {
                 line.poll_transmit();
             }
             ToSimulator::Write(bytes) => line.handle_bytes(now, &bytes),
+            ToSimulator::PowerCycle => line.power_cycle(now),
             ToSimulator::Time => line.handle_timeout(now),
         }
         let arrived = line.poll_transmit().unwrap_or_default();

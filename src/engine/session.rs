@@ -260,6 +260,7 @@ impl Session {
                 signals.rts = rts.or(signals.rts);
                 self.signal(Signal::Set(dtr, rts));
             }
+            ToLine::PowerCycle => self.signal(Signal::PowerCycle),
             ToLine::Break(length_ms) if !self.is_replay() => {
                 let length_ms = length_ms.min(LONGEST_BREAK_MS);
                 let job = Job::raw(Vec::new(), Some(milliseconds(length_ms))).by(Origin::Console);

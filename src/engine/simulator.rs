@@ -90,8 +90,14 @@ impl Port for SimulatedPort {
         state.tell(PortEvent::Closed, 1);
     }
 
-    /// The simulated line has two wires.
-    fn signal(&self, _: Signal) {}
+    /// The simulated line has two wires, and two more that feed its sensor.
+    fn signal(&self, signal: Signal) {
+        let state = &mut *self.state.borrow_mut();
+        if state.open && matches!(signal, Signal::PowerCycle) {
+            state.ask(&ToSimulator::PowerCycle);
+            state.set_timer();
+        }
+    }
 }
 
 impl State {

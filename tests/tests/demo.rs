@@ -65,6 +65,29 @@ async fn a_simulator_that_could_not_be_loaded_is_told_and_tried_again() {
     browser.wait_for("displacements.length >= 3").await;
 }
 
+/// The supply of the simulated sensor can be cut, which no setting of the port does.
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn the_simulated_sensor_can_be_power_cycled() {
+    let bench = Bench::new(Line::new([Lvdt::new(1, Motion::Swing)], 1)).await;
+    let browser = &bench.browser;
+    let live = LivePage::open(browser).await;
+    browser.choose("profile", "level").await;
+    browser.click("demo").await;
+    live.wait_for(State::Reading).await;
+    let console = ConsolePage::open(browser).await;
+    console.switch("polling", false).await;
+    // A zero offset that is not saved: there until the supply fails.
+    console.send("01 06 00 0C 00 32").await;
+    console.wait_for_row("RX", "01 06 00 0C 00 32 C8 1C").await;
+    console.send("01 03 00 0C 00 01").await;
+    console.wait_for_row("RX", "01 03 02 00 32 39 91").await;
+    browser.click("line-power-cycle").await;
+    console.send("01 03 00 0C 00 01").await;
+    console.wait_for_row("RX", "01 03 02 00 00 B8 44").await;
+    assert_eq!(browser.complaints().await, [""; 0]);
+}
+
 /// What is written to the simulated sensor stays written while the page lives, as with a real one.
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]

@@ -3,6 +3,8 @@
 // Each test file uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod asked;
+
 use std::time::Duration;
 
 use buslens_bus::record::{Note, Origin, What};
