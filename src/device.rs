@@ -1,7 +1,7 @@
 //! The devices: profiles with what the page needs of them, the built-in ones and the user's own.
 
 use std::cell::RefCell;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use buslens_codec::line::{LineSettings, Mode};
 use buslens_codec::profile::{BUILT_IN, Point, Profile, Texts, Wire};
@@ -17,9 +17,22 @@ static BUILT_IN_DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
     // Packed by this package's build script from the files that the codec's tests load.
     let packed: Vec<&'static [u8]> =
         postcard::from_bytes(include_bytes!(concat!(env!("OUT_DIR"), "/profiles"))).unwrap_or_default();
+    if cfg!(test) {
+        keep_whole();
+    }
     let unpacked = packed.into_iter().enumerate();
     unpacked.filter_map(|(place, packed)| Device::of(Text::BuiltIn(place), packed.to_vec())).collect()
 });
+
+/// Brings a whole profile of its text, where [`keep_whole`] has been called.
+static WHOLE: OnceLock<fn(&Text) -> Option<Profile>> = OnceLock::new();
+
+/// From here on this program's devices have whole profiles, with their notes and help, not just what is essential. Call it
+/// first. The first program does without: it would carry all texts and their loader.
+pub(crate) fn keep_whole() {
+    // Nobody minds that it has been called before.
+    let _ = WHOLE.set(|text| Profile::from_json(text.read()).ok());
+}
 
 /// The user's own devices as they are now, and the one that is connected.
 static OWN: LazyLock<ArcRwSignal<Own>> = LazyLock::new(ArcRwSignal::default);
@@ -49,6 +62,15 @@ enum Text {
     BuiltIn(usize),
     /// Here; empty in the first program, which does without.
     Own(String),
+}
+
+impl Text {
+    fn read(&self) -> &str {
+        match self {
+            Self::BuiltIn(place) => BUILT_IN.get(*place).copied().unwrap_or_default(),
+            Self::Own(text) => text,
+        }
+    }
 }
 
 /// The built-in devices, at least one.
@@ -82,7 +104,7 @@ pub(crate) fn known(id: &str) -> Option<&'static Device> {
 /// The device whose packed profile this is, be it of an earlier edition.
 pub(crate) fn of_packed(packed: &[u8]) -> Option<&'static Device> {
     let fits = |device: &&'static Device| device.packed == packed;
-    let ever = EVER.with_borrow(|ever| ever.iter().copied().find(fits));
+    let ever = EVER.with_borrow(|ever| ever.iter().rev().copied().find(fits));
     ever.or_else(|| built_in().iter().find(fits))
 }
 
@@ -123,7 +145,9 @@ pub(crate) fn hold(device: Option<&'static Device>) -> bool {
 
 impl Device {
     fn of(text: Text, packed: Vec<u8>) -> Option<Self> {
-        Profile::unpack(&packed).map(|profile| Self { text, packed, profile })
+        let whole = WHOLE.get().and_then(|whole| whole(&text));
+        let profile = whole.or_else(|| Profile::unpack(&packed))?;
+        Some(Self { text, packed, profile })
     }
 
     fn is(&self, text: &str, packed: &[u8]) -> bool {
@@ -132,10 +156,7 @@ impl Device {
 
     /// The text of its profile's file. The first program does without: it would carry all texts.
     pub(crate) fn source(&self) -> &str {
-        match &self.text {
-            Text::BuiltIn(place) => BUILT_IN.get(*place).copied().unwrap_or_default(),
-            Text::Own(text) => text,
-        }
+        self.text.read()
     }
 
     /// Its profile, packed.
@@ -143,7 +164,7 @@ impl Device {
         &self.packed
     }
 
-    /// Its profile.
+    /// Its profile; in the first program what is essential of it.
     pub(crate) fn profile(&self) -> &Profile {
         &self.profile
     }
@@ -261,6 +282,8 @@ mod tests {
     #[test]
     fn every_built_in_profile_is_a_device_with_a_measurement() {
         assert_eq!(built_in().len(), BUILT_IN.len());
+        assert!(built_in().iter().all(|device| !device.profile().help.is_empty()));
+        assert!(built_in().iter().all(|device| device.packed() == device.profile().pack()));
         for device in built_in() {
             assert!(std::ptr::eq(find(device.id()), device));
             assert!(!device.measurements().is_empty(), "{}", device.id());

@@ -179,6 +179,7 @@ fn start(language: Language, beside: JsValue) {
     let tell: Function = parts.get(0).unchecked_into();
     ENGINE.set(parts.get(1).dyn_into().ok());
     let take_own: Function = parts.get(2).unchecked_into();
+    device::keep_whole();
     crash::watch(move |details| {
         // The first program draws the page of the crash; there is nobody else to tell.
         let _ = tell.call1(&JsValue::UNDEFINED, &details.into());

@@ -9,7 +9,7 @@ use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Config, Failure};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
-use buslens_codec::pdu::{ExceptionCode, Request, Response};
+use buslens_codec::pdu::{ExceptionCode, Request, Response, unpack_bits};
 use buslens_codec::profile::{BUILT_IN, Group, Known, Profile};
 use buslens_codec::value::Value;
 use common::{Bench, START};
@@ -46,12 +46,16 @@ fn shown<D: Device>(bench: &mut Bench<D>, profile: &Profile, groups: &[Group]) -
     let (mut known, mut all) = (Known::default(), Vec::new());
     for group in groups {
         let exchange = bench.ask(profile.unit, group.request().unwrap());
-        let Ok(Answer::Reply(Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values })) =
-            exchange.result
-        else {
-            panic!("{group:?}: {exchange:?}");
+        let points = match exchange.result {
+            Ok(Answer::Reply(Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values })) => {
+                profile.decode_points(group.function, group.address, &values, &mut known)
+            }
+            Ok(Answer::Reply(Response::ReadCoils { status } | Response::ReadDiscreteInputs { status })) => {
+                profile.decode_bits(group.function, group.address, &unpack_bits(&status, group.quantity.into()))
+            }
+            _ => panic!("{group:?}: {exchange:?}"),
         };
-        for found in profile.decode_points(group.function, group.address, &values, &mut known) {
+        for found in points {
             assert!(found.scaled);
             let text = found.point.text(found.value.unwrap(), |texts| &texts.en);
             all.push([&found.point.id, " ", &text, " ", found.unit].concat().trim_end().to_owned());

@@ -31,6 +31,7 @@ pub mod line;
 pub mod outline;
 pub mod pdu;
 pub mod profile;
+pub mod quantity;
 pub mod rtu;
 pub mod segment;
 pub mod session;

@@ -9,6 +9,7 @@ mod link;
 mod load;
 mod parts;
 mod point;
+mod scale;
 mod score;
 
 use alloc::string::String;
@@ -18,11 +19,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::line::{LineSettings, Mode};
 use crate::unit::UnitId;
+use crate::value::Value;
 
 pub use known::{Known, PointValue};
 pub use link::{Link, Setting};
-pub use parts::{Choices, Erratum, Example, Group, Interface, Range, Texts, Timing, Wire};
-pub use point::{Code, Danger, Effect, Limits, Point, Reply, Role};
+pub use parts::{Choices, Erratum, Example, Group, Help, Interface, Range, Texts, Timing, Wire};
+pub use point::{Beyond, Code, Danger, Effect, Limits, LimitsFrom, Point, Reply, Role};
+pub use scale::Scale;
 pub use score::{Outline, most_explaining};
 
 /// The files of the built-in profiles.
@@ -79,6 +82,8 @@ pub struct Profile {
     pub examples: Vec<Example>,
     /// Where the manual is wrong.
     pub errata: Vec<Erratum>,
+    /// What to try when something is wrong, the most frequent first.
+    pub help: Vec<Help>,
 }
 
 /// What a device and the standard say to a unit id.
@@ -110,10 +115,29 @@ impl Profile {
         load::load(text)
     }
 
-    /// The profile in few bytes, for another program of the same build: the form changes with the program.
+    /// What is essential of the profile in few bytes, for another program of the same build: the form changes with the
+    /// program.
     pub fn pack(&self) -> Vec<u8> {
         // Nothing in a profile is without a packed form, and a vector takes any number of bytes.
-        postcard::to_allocvec(self).unwrap_or_default()
+        postcard::to_allocvec(&self.clone().essential()).unwrap_or_default()
+    }
+
+    /// What it takes to speak with the device, to simulate it and to name its values: without source, notes, what a write
+    /// costs, errata and help.
+    #[must_use]
+    pub fn essential(mut self) -> Self {
+        self.source.clear();
+        self.notes.clear();
+        self.errata.clear();
+        self.help.clear();
+        for point in &mut self.points {
+            point.note = None;
+            point.consequence = None;
+            for code in &mut point.codes {
+                code.consequence = None;
+            }
+        }
+        self
     }
 
     /// A packed profile; `None` for other bytes.
@@ -138,6 +162,25 @@ impl Profile {
         let measured = || self.points.iter().filter(|point| point.role == Role::Measurement);
         let referred = measured().flat_map(Point::refers_to).filter_map(|id| self.point(id));
         self.groups_of(referred.chain(measured()))
+    }
+
+    /// On which side a measurement is beyond its range, as far as that is known: the range of the profile, or what the
+    /// device says of itself; `reading` brings a point's last value. `None` also within, and for what is no number.
+    pub fn beyond(&self, point: &Point, value: Value, reading: impl Fn(&str) -> Option<Value>) -> Option<Beyond> {
+        let own = point.range.map(|range| (Value::Number(range.first), Value::Number(range.last)));
+        let told = || {
+            let limits = point.limits_from.as_ref()?;
+            let (first, last) = (reading(&limits.first)?, reading(&limits.last)?);
+            // A transmitter may fall with what it measures.
+            Some(if first.compare(last)?.is_le() { (first, last) } else { (last, first) })
+        };
+        let side = |(first, last): (Value, Value)| {
+            if value.compare(first)?.is_lt() {
+                return Some(Beyond::Below);
+            }
+            value.compare(last)?.is_gt().then_some(Beyond::Above)
+        };
+        own.and_then(side).or_else(|| told().and_then(side))
     }
 
     /// The reads that bring these points, in their order, each once; points that cannot be read are left out.
@@ -192,6 +235,7 @@ mod tests {
 
     use super::*;
     use crate::line::Parity;
+    use crate::value::Decimal;
 
     pub(super) fn built_in(id: &str) -> Profile {
         let all = BUILT_IN.iter().map(|text| Profile::from_json(text).unwrap());
@@ -213,13 +257,52 @@ mod tests {
     }
 
     #[test]
-    fn a_packed_profile_comes_out_as_it_was_and_cut_off_not_at_all() {
+    fn what_is_essential_of_a_profile_comes_out_as_it_was_packed_and_cut_off_not_at_all() {
         for text in BUILT_IN {
             let profile = Profile::from_json(text).unwrap();
             let packed = profile.pack();
-            assert_eq!(Profile::unpack(&packed).as_ref(), Some(&profile));
+            assert_eq!(Profile::unpack(&packed), Some(profile.clone().essential()));
             assert!((0..packed.len()).all(|len| Profile::unpack(&packed[..len]).is_none()), "{}", profile.id);
         }
+    }
+
+    #[test]
+    fn what_is_essential_reads_and_names_the_same() {
+        for text in BUILT_IN {
+            let whole = Profile::from_json(text).unwrap();
+            let essential = whole.clone().essential();
+            assert_eq!(essential.live_groups(), whole.live_groups());
+            assert_eq!(essential.line_candidates(), whole.line_candidates());
+            assert!(whole.pack().len() * 5 < text.len() * 2, "{}: {} bytes", whole.id, whole.pack().len());
+            for (point, other) in essential.points.iter().zip(&whole.points) {
+                assert_eq!((&point.name, point.encoding, &point.unit), (&other.name, other.encoding, &other.unit));
+            }
+            assert_eq!(essential.clone().essential(), essential);
+        }
+    }
+
+    #[test]
+    fn a_measurement_beyond_its_range_is_told() {
+        let number = |text| Value::Number(Decimal::parse(text).unwrap());
+        let level = built_in("level");
+        let value = level.point("value").unwrap();
+        let reading = |first: &'static str, last: &'static str| {
+            move |id: &str| match id {
+                "range_zero" => Some(number(first)),
+                "range_full" => Some(number(last)),
+                _ => None,
+            }
+        };
+        let side = |text, first, last| level.beyond(value, number(text), reading(first, last));
+        assert_eq!(side("6.000", "0.000", "5.000"), Some(Beyond::Above));
+        assert_eq!(side("5.000", "0.000", "5.000"), None);
+        assert_eq!(side("-0.001", "0.000", "5.000"), Some(Beyond::Below));
+        assert_eq!(side("-0.001", "5.000", "0.000"), Some(Beyond::Below));
+        assert_eq!(level.beyond(value, number("6.000"), |_| None), None);
+        let gauge = built_in("gauge-cable");
+        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), number("-65.535"), |_| None), None);
+        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(70.0), |_| None), Some(Beyond::Above));
+        assert_eq!(gauge.beyond(gauge.point("reading").unwrap(), Value::Float(f32::NAN), |_| None), None);
     }
 
     #[test]

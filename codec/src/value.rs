@@ -5,11 +5,13 @@ mod decimal;
 mod encoding;
 mod float;
 
+use core::cmp::Ordering;
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
 pub use decimal::Decimal;
+pub(crate) use decimal::greatest_common_divisor;
 pub use encoding::{Encoding, Order, Width};
 
 /// A value of a point.
@@ -35,6 +37,14 @@ impl Value {
             Self::Float(float) => Some(f64::from(float)),
             Self::Double(float) => Some(float),
             Self::Code(_) | Self::Text(_) => None,
+        }
+    }
+
+    /// How two numbers compare, decimals exactly; `None` if one of them is no number.
+    pub fn compare(self, other: Self) -> Option<Ordering> {
+        match (self, other) {
+            (Self::Number(left), Self::Number(right)) => Some(left.compare(right)),
+            (left, right) => left.to_f64()?.partial_cmp(&right.to_f64()?),
         }
     }
 }

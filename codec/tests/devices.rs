@@ -3,7 +3,8 @@
 
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::profile::{BUILT_IN, Danger, Effect, Interface, Known, Outline, Profile, Reply, most_explaining};
-use buslens_codec::value::Value;
+use buslens_codec::quantity::Unit;
+use buslens_codec::value::{Decimal, Value};
 use buslens_codec::{UnitId, ascii, rtu};
 
 fn built_in() -> Vec<Profile> {
@@ -111,20 +112,68 @@ fn lines_and_link_changes_are_those_of_the_manuals() {
 }
 
 #[test]
+fn factory_settings_are_those_of_the_manuals() {
+    let factory = |id: &str| -> Vec<(String, u16)> {
+        let points = device(id).points;
+        points.into_iter().filter_map(|point| Some((point.id.clone(), point.factory?))).collect()
+    };
+    let settings = |pairs: &[(&str, u16)]| pairs.iter().map(|(id, word)| ((*id).to_owned(), *word)).collect::<Vec<_>>();
+    let lvdt = [("baud", 3), ("parity", 2), ("compensation", 2), ("sample_rate", 4), ("output_mode", 1)];
+    assert_eq!(factory("lvdt"), settings(&lvdt));
+    assert_eq!(factory("level"), settings(&[("baud", 3), ("zero_offset", 0)]));
+    // Nothing can be set by a register.
+    assert_eq!(factory("gauge-cable"), []);
+    for id in ["lvdt", "gauge-cable", "level"] {
+        assert_eq!(device(id).unit, 1, "{id}");
+    }
+}
+
+#[test]
+fn limits_and_times_are_those_of_the_manuals() {
+    let timing = device("lvdt").timing;
+    assert_eq!((timing.startup_silence_ms, timing.inter_device_pause_ms), (1500, 100));
+    assert_eq!((timing.poll_period_ms, timing.min_poll_period_ms), (100, 40));
+    assert_eq!((timing.min_write_period_ms, timing.flash_writes), (100, 100_000));
+    let range = device("gauge-cable").point("reading").unwrap().range.unwrap();
+    assert_eq!((range.first.to_string(), range.last.to_string()), ("-65.535".to_owned(), "65.535".to_owned()));
+    let level = device("level");
+    assert_eq!(level.point("value").unwrap().limits_from.as_ref().unwrap().ids(), ["range_zero", "range_full"]);
+    for unit in &level.point("unit").unwrap().codes {
+        let name = &unit.name.as_ref().unwrap().en;
+        assert_eq!(Unit::named(name).map(Unit::symbol), Some(name.as_str()));
+    }
+    for (id, point) in [("lvdt", "temperature"), ("lvdt", "displacement"), ("gauge-cable", "reading")] {
+        assert!(Unit::named(&device(id).point(point).unwrap().unit).is_some(), "{id} {point}");
+    }
+}
+
+#[test]
 fn everything_is_told_in_both_languages() {
     for profile in built_in() {
         let points = profile.points.iter().flat_map(|point| {
-            let codes = point.codes.iter().filter_map(|code| code.name.as_ref());
-            [&point.name].into_iter().chain(&point.note).chain(codes)
+            let codes = point.codes.iter().flat_map(|code| code.name.iter().chain(&code.consequence));
+            [&point.name].into_iter().chain(&point.note).chain(&point.consequence).chain(codes)
         });
         let wires = profile.wiring.iter().flat_map(|wire| [&wire.name, &wire.purpose]);
         let errata = profile.errata.iter().map(|erratum| &erratum.text);
-        for texts in [&profile.name].into_iter().chain(&profile.notes).chain(points).chain(wires).chain(errata) {
+        let help = profile.help.iter().flat_map(|help| [&help.symptom].into_iter().chain(&help.remedies));
+        let told =
+            [&profile.name].into_iter().chain(&profile.notes).chain(points).chain(wires).chain(errata).chain(help);
+        for texts in told {
             assert!(!texts.en.is_empty() && !texts.zh.is_empty(), "{} {texts:?}", profile.id);
-            assert!(texts.en.chars().all(|c| c.is_ascii() || "°²₂".contains(c)), "{}", texts.en);
+            assert!(texts.en.chars().all(|c| c.is_ascii() || "°²₂µ".contains(c)), "{}", texts.en);
         }
-        for point in profile.points.iter().filter(|point| point.danger == Danger::Danger) {
-            assert!(point.note.is_some(), "{} {}: a danger is explained", profile.id, point.id);
+        assert!(!profile.help.is_empty(), "{}", profile.id);
+        // Whatever is asked before it is written says what it costs.
+        for point in &profile.points {
+            let mut values: Vec<Value> = point.codes.iter().map(|code| Value::Code(code.code)).collect();
+            if values.is_empty() {
+                values.push(Value::Number(Decimal::whole(1)));
+            }
+            for value in values {
+                let costs = point.danger_of(value) > Danger::None;
+                assert!(!costs || point.consequence_of(value).is_some(), "{} {} {value}", profile.id, point.id);
+            }
         }
     }
 }

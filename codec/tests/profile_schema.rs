@@ -20,7 +20,7 @@ fn example() -> &'static str {
 #[test]
 fn the_documented_example_loads_and_uses_every_key() {
     let profile = Profile::from_json(example()).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(profile.points.len(), 10);
+    assert_eq!(profile.points.len(), 14);
     let document: Value = serde_json::from_str(example()).unwrap();
     let mut used = BTreeSet::new();
     gather_keys(&document, &mut used);
@@ -57,10 +57,10 @@ fn the_schema_knows_the_words_of_the_loader() {
         ("/line/data_bits", "/$defs/line/properties/data_bits/enum"),
         ("/line/stop_bits", "/$defs/stop_bits/enum"),
         ("/points/0/role", "/$defs/point/properties/role/enum"),
-        ("/points/7/danger", "/$defs/danger/enum"),
-        ("/points/6/effects/0", "/$defs/point/properties/effects/items/enum"),
-        ("/points/8/codes/0/sets", "/$defs/code/properties/sets/enum"),
-        ("/points/6/reply", "/$defs/point/properties/reply/enum"),
+        ("/points/11/danger", "/$defs/danger/enum"),
+        ("/points/10/effects/0", "/$defs/point/properties/effects/items/enum"),
+        ("/points/12/codes/0/sets", "/$defs/code/properties/sets/enum"),
+        ("/points/10/reply", "/$defs/point/properties/reply/enum"),
         ("/points/3/encoding/order", "/$defs/order/enum"),
     ];
     let schema = schema();
@@ -102,6 +102,14 @@ fn the_schema_refuses_what_the_loader_refuses() {
         ("/points/0/encoding", json!({ "type": "bits" })),
         ("/points/2/codes/0", json!({ "code": 1 })),
         ("/groups/0/quantity", json!(126)),
+        ("/groups/1/quantity", json!(2001)),
+        ("/fingerprint/0/function", json!(2)),
+        ("/discovery/0/function", json!(1)),
+        ("/points/4/scale", json!("1/10")),
+        ("/points/4/offset", json!(null)),
+        ("/points/0/limits_from", json!({ "first": "range_start" })),
+        ("/help/0/try", json!([])),
+        ("/help/0/symptom", json!("It creeps")),
         ("/groups/0/tentative", json!("no")),
         ("/examples/0/registers", json!(1)),
         ("/errata/0/printed", json!("0")),
@@ -132,12 +140,14 @@ fn loader_keys() -> Vec<(&'static str, Vec<String>)> {
         ("point", "/points/0"),
         ("encoding", "/points/0/encoding"),
         ("limits", "/points/1/range"),
+        ("limits_from", "/points/0/limits_from"),
         ("code", "/points/2/codes/0"),
         ("read", "/groups/0"),
         ("read", "/discovery/0"),
         ("read", "/fingerprint/0"),
         ("example", "/examples/0"),
         ("erratum", "/errata/0"),
+        ("help", "/help/0"),
     ];
     let keys = |(definition, place): (&'static str, &str)| {
         let mut document: Value = serde_json::from_str(example()).unwrap();
@@ -221,6 +231,7 @@ fn check(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
                 }
                 true
             }
+            "minItems" => value.as_array().is_none_or(|items| items.len() as u64 >= rule.as_u64().unwrap()),
             "uniqueItems" => {
                 let items = value.as_array().into_iter().flatten();
                 let twice = items.enumerate().any(|(at, item)| value.as_array().unwrap()[..at].contains(item));
@@ -241,6 +252,11 @@ fn check(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
 fn matches(pattern: &str, text: &str) -> bool {
     let hex = |text: &str| text.bytes().all(|byte| byte.is_ascii_hexdigit());
     match pattern {
+        "^-?[0-9]+(\\.[0-9]*)?$" => {
+            let digits = text.strip_prefix('-').unwrap_or(text);
+            let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+            !whole.is_empty() && whole.bytes().chain(fraction.bytes()).all(|byte| byte.is_ascii_digit())
+        }
         "^[a-z0-9_-]+$" => {
             let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_' || byte == b'-';
             !text.is_empty() && text.bytes().all(plain)

@@ -74,5 +74,5 @@ pub(crate) fn code_names(point: &Point) -> Vec<String> {
 /// Whether a value may be written to a point, by the text alone: the profile allows it and it can be encoded. Scaled points
 /// are encoded when their scale is known.
 pub(crate) fn may_be_written(point: &Point, value: Value) -> bool {
-    point.allows(value) && (point.decimals_from.is_some() || point.encoding.encode(value).is_ok())
+    point.allows(value) && (point.decimals_from.is_some() || point.encode(value).is_ok())
 }

@@ -60,12 +60,12 @@ pub(crate) fn is_carrier(slot: Slot) -> bool {
 /// The registers that hold what was typed. Whether the device takes it is another matter: [`Point::allows`].
 pub(crate) fn registers_of(point: &Point, text: &str) -> Option<(Value, Vec<u16>)> {
     let value = value_of(point, text)?;
-    Some((value, point.encoding.encode(value).ok()?))
+    Some((value, point.encode(value).ok()?))
 }
 
 /// The value of registers as it would be typed.
 pub(crate) fn text_of(point: &Point, registers: &[u16]) -> Option<String> {
-    Some(point.encoding.decode(registers).ok()?.to_string())
+    Some(point.decode(registers).ok()?.to_string())
 }
 
 /// `0x0032`.
@@ -92,7 +92,7 @@ fn value_of(point: &Point, text: &str) -> Option<Value> {
 /// What to begin with: the factory's setting, else the first code, else the least that may be written.
 fn first_registers(point: &Point) -> Vec<u16> {
     let code = point.factory.or_else(|| point.codes.first().map(|code| code.code));
-    let least = || point.encoding.encode(Value::Number(point.range?.first)).ok();
+    let least = || point.encode(Value::Number(point.range?.first)).ok();
     code.map(|code| vec![code]).or_else(least).unwrap_or_else(|| vec![0; point.encoding.registers()])
 }
 

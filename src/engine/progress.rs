@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Counters, Exchange, Failure};
-use buslens_codec::pdu::Response;
+use buslens_codec::pdu::{Response, unpack_bits};
 use buslens_codec::profile::{Known, Profile};
 use buslens_codec::value::Value;
 
@@ -83,14 +83,19 @@ impl Progress {
     }
 
     fn answered(&mut self, index: usize, at: Instant, response: &Response) {
-        let (Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values }) = response else {
-            return;
-        };
         let Some(profile) = &self.profile else { return };
         let groups = profile.live_groups();
         let Some(group) = groups.get(index) else { return };
         let is_last = index + 1 == groups.len();
-        let points = profile.decode_points(response.function(), group.address, values, &mut self.known);
+        let points = match response {
+            Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values } => {
+                profile.decode_points(group.function, group.address, values, &mut self.known)
+            }
+            Response::ReadCoils { status } | Response::ReadDiscreteInputs { status } => {
+                profile.decode_bits(group.function, group.address, &unpack_bits(status, group.quantity.into()))
+            }
+            _ => return,
+        };
         if points.iter().any(|point| point.value.is_err()) {
             self.status.health = Health::Failing(Trouble::BadValue);
             return;
@@ -203,6 +208,19 @@ mod tests {
         progress.polled(2, &exchange(300, reply(6000)));
         let value = progress.status.readings.iter().find(|reading| reading.point == "value").unwrap();
         assert_eq!(value.value.to_string(), "6.000");
+    }
+
+    #[test]
+    fn a_row_of_bits_becomes_readings() {
+        const PUMP: &str = r#""id": "pump", "name": { "en": "Pump", "zh": "泵" }, "register": 6, "encoding": { "type": "code" }, "read": [2], "role": "measurement""#;
+        let text = LVDT.replacen("\"id\": \"temperature\"", &[PUMP, " }, { \"id\": \"temperature\""].concat(), 1);
+        let profile = Profile::from_json(&text).unwrap();
+        let index = profile.live_groups().iter().position(buslens_codec::profile::Group::is_bits).unwrap();
+        let mut progress = Progress::new(Some(profile), Duration::from_millis(100));
+        let reply = Answer::Reply(Response::ReadDiscreteInputs { status: vec![1] });
+        progress.polled(index, &exchange(100, Ok(reply)));
+        assert_eq!(progress.status.readings, [Reading { point: "pump".to_owned(), value: Value::Code(0xFF00) }]);
+        assert_eq!(progress.status.health, Health::Reading);
     }
 
     #[test]

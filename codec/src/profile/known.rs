@@ -46,7 +46,8 @@ impl Profile {
             }
             let offset = point.offset_in(address, registers.len())?;
             let own = registers.get(offset..)?.get(..point.encoding.registers())?;
-            Some((at, point, offset, point.encoding.decode(own)))
+            let raw = if point.decimals_from.is_some() { point.encoding.decode(own) } else { point.decode(own) };
+            Some((at, point, offset, raw))
         };
         let found: Vec<_> = self.points.iter().enumerate().filter_map(found).collect();
         for (at, point, _, value) in &found {
@@ -62,7 +63,7 @@ impl Profile {
         let finish = |(_, point, offset, raw): (usize, &'a Point, usize, Result<Value, ValueError>)| {
             let (value, scaled) = match (&point.decimals_from, raw) {
                 (Some(id), Ok(raw)) => match self.decimals(id, known) {
-                    Some(decimals) => (scale(raw, decimals), true),
+                    Some(decimals) => (scale(raw, decimals).and_then(|number| point.value_of(number)), true),
                     None => (Ok(raw), false),
                 },
                 (_, raw) => (raw, true),
@@ -85,11 +86,27 @@ impl Profile {
     /// The registers that hold a value of a point, as [`Profile::decode_points`] gives it: a number is divided by what
     /// scales it, [`ValueError::NotScaled`] if that is not known. Whether the device takes it says [`Point::allows`].
     pub fn encode_point(&self, point: &Point, value: Value, known: &Known) -> Result<Vec<u16>, ValueError> {
-        let Some(id) = &point.decimals_from else { return point.encoding.encode(value) };
+        let Some(id) = &point.decimals_from else { return point.encode(value) };
         let decimals = self.decimals(id, known).ok_or(ValueError::NotScaled)?;
-        let Value::Number(number) = value else { return Err(ValueError::Unrepresentable) };
+        let Value::Number(number) = point.number_of(value)? else { return Err(ValueError::Unrepresentable) };
         let whole = number.mantissa_with(decimals).ok_or(ValueError::Unrepresentable)?;
         point.encoding.encode(Value::Number(Decimal::whole(whole)))
+    }
+
+    /// As [`Profile::encode_point`], but what the registers hold besides the value stays as it is in `before`.
+    pub fn encode_point_over(
+        &self,
+        point: &Point,
+        value: Value,
+        known: &Known,
+        before: &[u16],
+    ) -> Result<Vec<u16>, ValueError> {
+        // What another point scales fills its registers.
+        if point.decimals_from.is_some() {
+            self.encode_point(point, value, known)
+        } else {
+            point.encode_over(value, before)
+        }
     }
 
     /// The unit of a point, also where a register tells it; empty for none and where it is not known.

@@ -8,7 +8,7 @@ use crate::line::{DataBits, LineSettings, Mode, Parity, StopBits};
 use crate::value::Value;
 
 /// How a device is reached.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Link {
     /// Its unit id; `None` after a reset, where the factory's own number is not known: ask by broadcast or search.
     pub unit: Option<UnitId>,

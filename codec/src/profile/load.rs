@@ -15,8 +15,8 @@ use self::json::{
     word,
 };
 use super::{
-    Choices, Erratum, Example, FORMAT, Group, Interface, Known, Point, Profile, ProfileError, Range, Texts, Timing,
-    Wire,
+    Choices, Erratum, Example, FORMAT, Group, Help, Interface, Known, Point, Profile, ProfileError, Range, Texts,
+    Timing, Wire,
 };
 use crate::line::{DataBits, LineSettings, Mode, Parity, StopBits};
 use crate::value::{Decimal, Value};
@@ -57,6 +57,7 @@ fn profile(node: Node<'_>) -> Found<Profile> {
             "fingerprint",
             "examples",
             "errata",
+            "help",
         ],
     )?;
     let format_node = object.need("format")?;
@@ -88,11 +89,15 @@ fn profile(node: Node<'_>) -> Found<Profile> {
         supply: optional(object.find("supply"), text)?,
         wiring: list(object.find("wiring"), wire)?,
         groups: list(object.find("groups"), |node| group_of_points(node, &points))?,
-        fingerprint: list(object.find("fingerprint"), |node| group_of_points(node, &points))?,
+        fingerprint: list(object.find("fingerprint"), |node| {
+            registers(node)?;
+            group_of_points(node, &points)
+        })?,
         points,
-        discovery: list(object.find("discovery"), group)?,
+        discovery: list(object.find("discovery"), registers)?,
         examples: Vec::new(),
         errata: list(object.find("errata"), erratum)?,
+        help: list(object.find("help"), help)?,
     };
     let examples = list(object.find("examples"), |node| example(node, &profile))?;
     Ok(Profile { examples, ..profile })
@@ -189,9 +194,15 @@ fn group(node: Node<'_>) -> Found<Group> {
         tentative: optional(object.find("tentative"), boolean)?,
     };
     if group.request().is_none() {
-        return fault(node, "a group is 1 to 125 registers read by function 3 or 4");
+        return fault(node, "a group is 1 to 2000 bits read by function 1 or 2, or 1 to 125 registers by 3 or 4");
     }
     Ok(group)
+}
+
+/// A group of registers: a unit id, or values that tell one device from another.
+fn registers(node: Node<'_>) -> Found<Group> {
+    let group = group(node)?;
+    if group.is_bits() { fault(node, "must be registers, read by function 3 or 4") } else { Ok(group) }
 }
 
 fn group_of_points(node: Node<'_>, points: &[Point]) -> Found<Group> {
@@ -258,6 +269,16 @@ fn erratum(node: Node<'_>) -> Found<Erratum> {
     })
 }
 
+fn help(node: Node<'_>) -> Found<Help> {
+    let object = Object::of(node, &["symptom", "try"])?;
+    let remedies_node = object.need("try")?;
+    let help = Help { symptom: texts(object.need("symptom")?)?, remedies: list(Some(remedies_node), texts)? };
+    if help.remedies.is_empty() {
+        return fault(remedies_node, "must name something to try");
+    }
+    Ok(help)
+}
+
 fn range(node: Node<'_>, most: u16) -> Found<Range> {
     let object = Object::of(node, &["first", "last"])?;
     let range = Range { first: word(object.need("first")?)?, last: word(object.need("last")?)? };
@@ -274,6 +295,8 @@ fn texts(node: Node<'_>) -> Found<Texts> {
 
 #[cfg(test)]
 mod tests {
+    use alloc::string::String;
+
     use proptest::prelude::*;
 
     use super::super::BUILT_IN;
@@ -332,6 +355,7 @@ mod tests {
                     "output_mode has the same",
                 ),
                 ("\"printed\": \"3A", "\"printed\": \"3", "\"printed\"", "hexadecimal"),
+                ("\"symptom\": {", "\"sympton\": {", "It does not answer", "known are symptom, try"),
             ],
         );
     }
@@ -369,6 +393,82 @@ mod tests {
                 ),
             ],
         );
+    }
+
+    /// The level transmitter with other keys in its measurement, and a coil behind its points.
+    fn level_with(measurement: &str, coil: &str) -> Result<Profile, String> {
+        let from = "\"limits_from\": { \"first\": \"range_zero\", \"last\": \"range_full\" } },";
+        let text = BUILT_IN[2];
+        assert!(text.contains(from));
+        let last = text.find("  ],\n  \"groups\"").unwrap();
+        let (head, tail) = text.split_at(last);
+        let name = "\"name\": { \"en\": \"Pump\", \"zh\": \"泵\" }";
+        let coil = format!(
+            "    , {{ \"id\": \"pump\", {name}, \"register\": 7, \"encoding\": {{ \"type\": \"code\" }}, {coil} }}\n"
+        );
+        let text = [&head.replacen(from, &format!("{measurement} }},"), 1), &coil, tail].concat();
+        Profile::from_json(&text).map_err(|error| error.reason)
+    }
+
+    const COIL: &str = "\"read\": [1], \"write\": [15], \"role\": \"measurement\"";
+
+    #[test]
+    fn a_coil_is_a_measurement_with_a_read_and_a_write_of_its_own() {
+        use crate::pdu::Request;
+
+        let profile = level_with("\"scale\": 2", COIL).unwrap_err();
+        // The worked example of the measurement no longer comes out; that of a whole scale does.
+        assert!(profile.contains("are 12.000, not 6.000"), "{profile}");
+        let profile = level_with("\"scale\": \"1.0\"", COIL).unwrap_err();
+        assert!(profile.contains("are 6.0000, not 6.000"), "{profile}");
+        let profile = level_with("\"offset\": \"0\"", COIL).unwrap();
+        let pump = profile.point("pump").unwrap();
+        assert!(profile.live_groups().iter().any(|group| (group.function, group.address, group.quantity) == (1, 7, 1)));
+        assert_eq!(pump.read_group().unwrap().request(), Some(Request::ReadCoils { address: 7, quantity: 1 }));
+        let on = Request::WriteMultipleCoils { address: 7, coils: vec![true] };
+        assert_eq!(pump.write_request(&pump.encode(Value::Code(0xFF00)).unwrap()), Some(on));
+        let found = profile.decode_bits(1, 6, &[false, true]);
+        assert_eq!(found[0].value, Ok(Value::Code(0xFF00)));
+        assert_eq!(pump.text(Value::Code(0xFF00), |name| &name.en), "1");
+    }
+
+    #[test]
+    fn what_a_point_says_of_others_and_of_a_write_is_checked() {
+        let measurements = [
+            ("\"scale\": 0", "must not be 0"),
+            ("\"scale\": 1e3", "without exponent"),
+            ("\"scale\": \"x\"", "without exponent"),
+            ("\"limits_from\": { \"first\": \"range_zero\", \"last\": \"full\" }", "no point full"),
+            ("\"limits_from\": { \"first\": \"range_zero\", \"last\": \"baud\" }", "baud must be a number"),
+            ("\"limits_from\": { \"first\": \"range_zero\", \"last\": \"address\" }", "same unit and decimals"),
+            ("\"limits_from\": { \"first\": \"range_zero\" }", "the key last is missing"),
+            ("\"consequence\": { \"en\": \"a\", \"zh\": \"b\" }", "never written has no consequence"),
+        ];
+        for (keys, reason) in measurements {
+            let found = level_with(keys, COIL).expect_err(keys);
+            assert!(found.contains(reason), "{keys}: {found}");
+        }
+        let coils = [
+            ("\"write\": [15], \"role\": \"measurement\"", "read by a function"),
+            ("\"write\": [15], \"role\": \"command\", \"danger\": \"danger\"", "tell what this danger costs"),
+            (
+                "\"write\": [5], \"role\": \"command\", \"codes\": [ { \"code\": 1, \"number\": 1 } ]",
+                "0xFF00 or 0, not 1",
+            ),
+            (
+                "\"write\": [5], \"role\": \"command\", \"codes\": [ { \"code\": 0, \"number\": 1, \"danger\": \"danger\" } ]",
+                "the danger of code 0 costs",
+            ),
+            ("\"read\": [1], \"role\": \"parameter\", \"scale\": 2", "only whole numbers"),
+            (
+                "\"read\": [1], \"role\": \"parameter\", \"limits_from\": { \"first\": \"range_zero\", \"last\": \"range_full\" }",
+                "only a measurement that is a number",
+            ),
+        ];
+        for (keys, reason) in coils {
+            let found = level_with("\"offset\": 0", keys).expect_err(keys);
+            assert!(found.contains(reason), "{keys}: {found}");
+        }
     }
 
     #[test]

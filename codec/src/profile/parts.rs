@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Point;
 use crate::line::{Mode, Parity, StopBits};
-use crate::pdu::{MAX_READ_QUANTITY, Request};
+use crate::pdu::{MAX_READ_BITS, MAX_READ_QUANTITY, Request};
 
 /// A text in both languages.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,10 +91,10 @@ pub struct Wire {
     pub purpose: Texts,
 }
 
-/// Registers that are read together.
+/// Registers, coils or inputs that are read together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Group {
-    /// 3 for holding registers, 4 for input registers.
+    /// 1 for coils, 2 for discrete inputs, 3 for holding registers, 4 for input registers.
     pub function: u8,
     /// The first.
     pub address: u16,
@@ -106,17 +106,25 @@ pub struct Group {
 
 impl Group {
     /// The request that reads it; `None` for other functions and for quantities beyond the standard (MODBUS application
-    /// protocol V1.1b3, clauses 6.3 and 6.4).
+    /// protocol V1.1b3, clauses 6.1 to 6.4).
     pub fn request(&self) -> Option<Request> {
         let Self { function, address, quantity, .. } = *self;
-        if !(1..=MAX_READ_QUANTITY).contains(&quantity) || usize::from(address) + usize::from(quantity) > 0x1_0000 {
+        let most = if self.is_bits() { MAX_READ_BITS } else { MAX_READ_QUANTITY };
+        if !(1..=most).contains(&quantity) || usize::from(address) + usize::from(quantity) > 0x1_0000 {
             return None;
         }
         match function {
+            0x01 => Some(Request::ReadCoils { address, quantity }),
+            0x02 => Some(Request::ReadDiscreteInputs { address, quantity }),
             0x03 => Some(Request::ReadHoldingRegisters { address, quantity }),
             0x04 => Some(Request::ReadInputRegisters { address, quantity }),
             _ => None,
         }
+    }
+
+    /// Whether its answer is a row of bits, see [`super::Profile::decode_bits`].
+    pub const fn is_bits(&self) -> bool {
+        matches!(self.function, 0x01 | 0x02)
     }
 
     /// Where in this group a point lies, if all of it does and the function reads it.
@@ -136,6 +144,15 @@ pub struct Example {
     pub decimals: Option<u8>,
     /// The value as [`Point::text`] writes it, in English.
     pub text: String,
+}
+
+/// What to try when something is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Help {
+    /// What one sees.
+    pub symptom: Texts,
+    /// What to try, one after the other.
+    pub remedies: Vec<Texts>,
 }
 
 /// A mistake of the device's manual.

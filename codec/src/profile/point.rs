@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Group, Setting, Texts};
+use super::{Group, Scale, Setting, Texts};
 use crate::pdu::Request;
-use crate::value::{Decimal, Encoding, Value};
+use crate::value::{Decimal, Encoding, Value, ValueError};
 
 /// One datum or command of a device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ pub struct Point {
     pub name: Texts,
     /// What users must know of it.
     pub note: Option<Texts>,
+    /// What a write costs, in the user's words; there where [`Point::danger`] is the highest.
+    pub consequence: Option<Texts>,
     /// Its first register, or its coil.
     pub register: u16,
     /// How the registers hold it. A coil is a code: FF00 is on, 0000 is off, as function 05 writes it.
@@ -32,11 +34,15 @@ pub struct Point {
     pub unit_from: Option<String>,
     /// The point that says how many digits stand behind the decimal point.
     pub decimals_from: Option<String>,
+    /// What lies between the number in its registers and its value.
+    pub scale: Option<Scale>,
+    /// The points that say where its range begins and ends, in its own scale and unit.
+    pub limits_from: Option<LimitsFrom>,
     /// What it is for.
     pub role: Role,
     /// The one value that matters most.
     pub primary: bool,
-    /// Values that may be written.
+    /// Values that may be written, or that a measurement can have.
     pub range: Option<Limits>,
     /// Meanings of its codes.
     pub codes: Vec<Code>,
@@ -108,6 +114,31 @@ pub enum Reply {
     New,
 }
 
+/// Two points that say where the range of a third one begins and ends.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LimitsFrom {
+    /// Id of the point that holds its one end.
+    pub first: String,
+    /// Id of the point that holds its other end.
+    pub last: String,
+}
+
+impl LimitsFrom {
+    /// Both ids.
+    pub fn ids(&self) -> [&str; 2] {
+        [&self.first, &self.last]
+    }
+}
+
+/// On which side of its range a value lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// Below the least.
+    Below,
+    /// Above the most.
+    Above,
+}
+
 /// Least and most of a value, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
@@ -140,6 +171,8 @@ pub struct Code {
     pub sets: Option<Setting>,
     /// What writing it can cost, where that is more than the point's.
     pub danger: Danger,
+    /// What writing it costs in the user's words, where that is not what the point says.
+    pub consequence: Option<Texts>,
 }
 
 impl Point {
@@ -154,9 +187,51 @@ impl Point {
         (offset + self.encoding.registers() <= quantity).then_some(offset)
     }
 
-    /// The read that brings it alone; `None` for what is only written and for single bits.
+    /// Whether it is a coil or a discrete input: FF00 or 0000.
+    pub fn is_bit(&self) -> bool {
+        self.read.iter().chain(&self.write).any(|function| matches!(function, 0x01 | 0x02 | 0x05 | 0x0F))
+    }
+
+    /// The value that its registers hold, as far as no other point scales it.
+    pub fn decode(&self, registers: &[u16]) -> Result<Value, ValueError> {
+        let raw = self.encoding.decode(registers)?;
+        self.value_of(raw)
+    }
+
+    /// The registers that hold a value, as far as no other point scales it; see [`Encoding::encode`].
+    pub fn encode(&self, value: Value) -> Result<Vec<u16>, ValueError> {
+        self.encoding.encode(self.number_of(value)?)
+    }
+
+    /// As [`Point::encode`], but what the registers hold besides stays as it is in `before`; see
+    /// [`Encoding::encode_over`].
+    pub fn encode_over(&self, value: Value, before: &[u16]) -> Result<Vec<u16>, ValueError> {
+        self.encoding.encode_over(self.number_of(value)?, before)
+    }
+
+    /// The number in its registers, in its unit.
+    pub(super) fn value_of(&self, number: Value) -> Result<Value, ValueError> {
+        match (self.scale, number) {
+            (Some(scale), Value::Number(number)) => {
+                scale.value_of(number).map(Value::Number).ok_or(ValueError::Unrepresentable)
+            }
+            _ => Ok(number),
+        }
+    }
+
+    /// What its registers hold for a value.
+    pub(super) fn number_of(&self, value: Value) -> Result<Value, ValueError> {
+        match (self.scale, value) {
+            (Some(scale), Value::Number(value)) => {
+                scale.number_of(value).map(Value::Number).ok_or(ValueError::Unrepresentable)
+            }
+            _ => Ok(value),
+        }
+    }
+
+    /// The read that brings it alone; `None` for what is only written.
     pub fn read_group(&self) -> Option<Group> {
-        let function = *self.read.iter().find(|function| matches!(function, 0x03 | 0x04))?;
+        let function = *self.read.first()?;
         let quantity = u16::try_from(self.encoding.registers()).ok()?;
         Some(Group { function, address: self.register, quantity, tentative: false })
     }
@@ -171,6 +246,9 @@ impl Point {
             [value @ (0x0000 | 0xFF00)] if self.write.contains(&0x05) => {
                 Some(Request::WriteSingleCoil { address, on: value != 0 })
             }
+            [value @ (0x0000 | 0xFF00)] if self.write.contains(&0x0F) => {
+                Some(Request::WriteMultipleCoils { address, coils: [value != 0].to_vec() })
+            }
             [value] if self.write.contains(&0x06) => Some(Request::WriteSingleRegister { address, value }),
             _ if self.write.contains(&0x10) => {
                 Some(Request::WriteMultipleRegisters { address, values: registers.to_vec() })
@@ -179,12 +257,14 @@ impl Point {
         }
     }
 
-    /// The value as text, without unit: a number, the number or name of a code, or the code itself if it is unknown.
+    /// The value as text, without unit: a number, the number or name of a code, or the code itself if it is unknown; 1 or 0
+    /// for a bit without names.
     pub fn text<'a>(&'a self, value: Value, language: impl Fn(&'a Texts) -> &'a String) -> String {
         let Value::Code(code) = value else { return value.to_string() };
         match self.code(code) {
             Some(Code { number: Some(number), .. }) => number.to_string(),
             Some(Code { name: Some(name), .. }) => language(name).clone(),
+            _ if self.is_bit() && matches!(code, 0x0000 | 0xFF00) => u8::from(code != 0).to_string(),
             _ => code.to_string(),
         }
     }
@@ -206,6 +286,12 @@ impl Point {
     pub fn danger_of(&self, value: Value) -> Danger {
         let Value::Code(code) = value else { return self.danger };
         self.code(code).map_or(self.danger, |code| self.danger.max(code.danger))
+    }
+
+    /// What writing this value costs, in the user's words, as far as the profile says it.
+    pub fn consequence_of(&self, value: Value) -> Option<&Texts> {
+        let code = if let Value::Code(code) = value { self.code(code) } else { None };
+        code.and_then(|code| code.consequence.as_ref()).or(self.consequence.as_ref())
     }
 
     /// The ids of the points that it needs for its scale and its unit.

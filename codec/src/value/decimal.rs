@@ -95,6 +95,15 @@ fn power_of_ten(decimals: u8) -> i64 {
     10i64.checked_pow(u32::from(decimals)).unwrap_or(i64::MAX)
 }
 
+/// At least 1. For numbers far from the ends of their range.
+pub(crate) const fn greatest_common_divisor(a: i128, b: i128) -> i128 {
+    let (mut a, mut b) = (a.unsigned_abs(), b.unsigned_abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    if a == 0 { 1 } else { a.cast_signed() }
+}
+
 #[cfg(test)]
 mod tests {
     use alloc::string::ToString;

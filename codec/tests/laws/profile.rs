@@ -74,6 +74,20 @@ fn loaded(profile: &Profile, function: u8, address: u16, registers: &[u16]) {
     }
     let bits: Vec<bool> = registers.iter().map(|register| register & 1 == 1).collect();
     profile.decode_bits(function, address, &bits);
+    for point in profile.points.iter().filter(|point| point.is_bit()) {
+        for function in point.read.iter().chain(&point.write) {
+            for bit in profile.decode_bits(*function, point.register, &bits) {
+                assert!(matches!(bit.value, Ok(Value::Code(0x0000 | 0xFF00))));
+            }
+        }
+    }
+    for point in &profile.points {
+        let limits = point.limits_from.iter().flat_map(profile::LimitsFrom::ids);
+        assert!(limits.into_iter().all(|id| profile.point(id).is_some()), "{}", point.id);
+        assert!(point.read.is_empty() == point.read_group().is_none(), "{}", point.id);
+    }
+    let essential = profile.clone().essential();
+    assert_eq!((essential.live_groups(), essential.line_candidates()), (profile.live_groups(), candidates));
     for unit in 0..=u8::MAX {
         profile.unit_fit(UnitId(unit));
     }
@@ -98,7 +112,8 @@ fn decode(profile: &Profile, function: u8, address: u16, registers: &[u16], know
         let Ok(value) = value else { continue };
         point.text(value, |texts| &texts.zh);
         point.allows(value);
-        point.danger_of(value);
+        point.consequence_of(value).filter(|_| point.danger_of(value) == profile::Danger::Danger);
+        profile.beyond(point, value, |_| Some(value));
         let before = Link { unit: Some(UnitId(profile.unit)), line: profile.line, mode: profile.mode };
         let after = profile.link_after(point, value, before);
         assert!(after.is_none_or(|after| after.line.baud > 0));
@@ -111,6 +126,10 @@ fn decode(profile: &Profile, function: u8, address: u16, registers: &[u16], know
         let found = profile.decode_points(function, point.register, &again, &mut known.clone());
         let found = found.iter().find(|found| found.point.id == point.id).unwrap();
         assert!(is_same(found.value.unwrap(), value), "{}: {own:04X?} {again:04X?}", point.id);
+        let over = profile.encode_point_over(point, value, known, own).unwrap();
+        let found = profile.decode_points(function, point.register, &over, &mut known.clone());
+        let found = found.iter().find(|found| found.point.id == point.id).unwrap();
+        assert!(is_same(found.value.unwrap(), value), "{}: {own:04X?} {over:04X?}", point.id);
         if let Some(request) = point.write_request(&again) {
             assert!(request.is_write() && Request::decode(&request.encode().unwrap()).as_ref() == Ok(&request));
         }

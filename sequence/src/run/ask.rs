@@ -149,7 +149,7 @@ fn point_request(
 ) -> Result<Request, Reason> {
     let registers = if shares_registers(point) {
         let before = memory.registers_of(point).ok_or_else(|| Reason::NotReadBefore(point.id.clone()))?;
-        point.encoding.encode_over(value, &before)
+        point.encode_over(value, &before)
     } else {
         let profile = memory.profile.as_ref().ok_or_else(&refused)?;
         profile.encode_point(point, value, &memory.known(unit))

@@ -130,10 +130,11 @@ pub(super) fn small(node: Node<'_>, most: u8) -> Found<u8> {
     Ok(u8::try_from(integer(node, most.into())?).unwrap_or(most))
 }
 
-/// A number with its decimals as written.
+/// A number with its decimals as written, also in quotes for programs that write numbers in a way of their own.
 pub(super) fn decimal(node: Node<'_>) -> Found<Decimal> {
-    let number = node.as_number_str().ok().and_then(Decimal::parse);
-    number.map_or_else(|| fault(node, "must be a number with at most 18 decimals"), Ok)
+    let quoted = || Decimal::parse(&node.to_unquoted_string_str().ok()?);
+    let number = node.as_number_str().ok().and_then(Decimal::parse).or_else(quoted);
+    number.map_or_else(|| fault(node, "must be a number without exponent, with at most 18 decimals"), Ok)
 }
 
 /// The place of a text among those that are allowed.

@@ -9,8 +9,8 @@ use super::json::{
 use super::texts;
 use crate::line::{DataBits, Mode, Parity, StopBits};
 use crate::profile::known::can_be_scaled;
-use crate::profile::{Code, Danger, Effect, Limits, Point, Reply, Role, Setting};
-use crate::value::{Encoding, Order, Width};
+use crate::profile::{Code, Danger, Effect, Limits, LimitsFrom, Point, Reply, Role, Scale, Setting, Texts};
+use crate::value::{Decimal, Encoding, Order, Width};
 
 /// Points that refer to each other rightly.
 pub(super) fn points(node: Node<'_>) -> Found<Vec<Point>> {
@@ -34,10 +34,23 @@ pub(super) fn points(node: Node<'_>) -> Found<Vec<Point>> {
             let Some(teller) = points.iter().find(|other| other.id == told_by) else {
                 return fault(*node, format!("there is no point {told_by}"));
             };
-            if teller.read.is_empty() || teller.encoding.registers() != 1 || teller.refers_to().next().is_some() {
+            let depends = teller.refers_to().next().is_some() || teller.scale.is_some();
+            if teller.read.is_empty() || teller.encoding.registers() != 1 || depends {
                 return fault(
                     *node,
-                    format!("{told_by} must be one register that can be read and depends on no other"),
+                    format!("{told_by} must be one register that can be read, has no scale and depends on no other"),
+                );
+            }
+        }
+        for id in point.limits_from.iter().flat_map(LimitsFrom::ids) {
+            let Some(limit) = points.iter().find(|other| other.id == id) else {
+                return fault(*node, format!("there is no point {id}"));
+            };
+            let unit = |point: &Point| (point.decimals_from.clone(), point.unit_from.clone(), point.unit.clone());
+            if limit.read.is_empty() || !is_number(limit.encoding) || unit(limit) != unit(point) {
+                return fault(
+                    *node,
+                    format!("{id} must be a number that can be read, with the same unit and decimals"),
                 );
             }
         }
@@ -58,30 +71,33 @@ fn clash(point: &Point, other: &Point) -> Option<alloc::string::String> {
         .then(|| format!("{} has the same register and function", other.id))
 }
 
+const KEYS: [&str; 22] = [
+    "id",
+    "name",
+    "note",
+    "consequence",
+    "register",
+    "encoding",
+    "read",
+    "write",
+    "unit",
+    "unit_from",
+    "decimals_from",
+    "scale",
+    "offset",
+    "limits_from",
+    "role",
+    "primary",
+    "range",
+    "codes",
+    "factory",
+    "danger",
+    "effects",
+    "reply",
+];
+
 fn point(node: Node<'_>) -> Found<Point> {
-    let object = Object::of(
-        node,
-        &[
-            "id",
-            "name",
-            "note",
-            "register",
-            "encoding",
-            "read",
-            "write",
-            "unit",
-            "unit_from",
-            "decimals_from",
-            "role",
-            "primary",
-            "range",
-            "codes",
-            "factory",
-            "danger",
-            "effects",
-            "reply",
-        ],
-    )?;
+    let object = Object::of(node, &KEYS)?;
     let encoding_node = object.need("encoding")?;
     let encoding = encoding(encoding_node)?;
     let register_node = object.need("register")?;
@@ -102,14 +118,7 @@ fn point(node: Node<'_>) -> Found<Point> {
         return fault(node, "function 6 writes one register");
     }
     let codes_node = object.find("codes");
-    let mut codes: Vec<Code> = Vec::new();
-    for node in codes_node.map(items).transpose()?.into_iter().flatten() {
-        let code = code(node)?;
-        if codes.iter().any(|earlier| earlier.code == code.code) {
-            return fault(node, format!("the code {} stands twice", code.code));
-        }
-        codes.push(code);
-    }
+    let codes = codes_node.map(|node| codes(node, is_bit)).transpose()?.unwrap_or_default();
     let is_code = matches!(encoding, Encoding::Code | Encoding::Bits { .. });
     if let (Some(node), false) = (codes_node, is_code) {
         return fault(node, "only the types code and bits have codes");
@@ -120,8 +129,12 @@ fn point(node: Node<'_>) -> Found<Point> {
         &["measurement", "parameter", "command"],
         &[Role::Measurement, Role::Parameter, Role::Command],
     )?;
-    if role == Role::Measurement && !read.iter().any(|function| matches!(function, 3 | 4)) {
-        return fault(role_node, "a measurement is read by function 3 or 4");
+    if role == Role::Measurement && read.is_empty() {
+        return fault(role_node, "a measurement is read by a function");
+    }
+    let limits_node = object.find("limits_from");
+    if let (Some(node), true) = (limits_node, role != Role::Measurement || !is_number(encoding)) {
+        return fault(node, "only a measurement that is a number has limits");
     }
     let effects_node = object.find("effects");
     let effects = list(effects_node, effect)?;
@@ -135,11 +148,13 @@ fn point(node: Node<'_>) -> Found<Point> {
     {
         return fault(node, format!("the code {} sets what is none of the effects", code.code));
     }
+    let (danger, consequence) = cost(&object, &codes, write.is_empty())?;
     let replies = |node| choice(node, &["either", "old", "new"], &[Reply::Either, Reply::Old, Reply::New]);
     Ok(Point {
         id: id(object.need("id")?)?,
         name: texts(object.need("name")?)?,
         note: object.find("note").map(texts).transpose()?,
+        consequence,
         register,
         encoding,
         read,
@@ -147,15 +162,55 @@ fn point(node: Node<'_>) -> Found<Point> {
         unit: optional(object.find("unit"), text)?,
         unit_from: object.find("unit_from").map(id).transpose()?,
         decimals_from: object.find("decimals_from").map(id).transpose()?,
+        scale: scale(&object, encoding)?,
+        limits_from: limits_node.map(limits_from).transpose()?,
         role,
         primary: optional(object.find("primary"), boolean)?,
         range: object.find("range").map(limits).transpose()?,
         codes,
         factory: object.find("factory").map(word).transpose()?,
-        danger: optional(object.find("danger"), danger)?,
+        danger,
         effects,
         reply: optional(object.find("reply"), replies)?,
     })
+}
+
+/// Meanings of codes, each of them once.
+fn codes(node: Node<'_>, is_bit: bool) -> Found<Vec<Code>> {
+    let mut codes: Vec<Code> = Vec::new();
+    for node in items(node)? {
+        let code = code(node)?;
+        if codes.iter().any(|earlier| earlier.code == code.code) {
+            return fault(node, format!("the code {} stands twice", code.code));
+        }
+        if is_bit && !matches!(code.code, 0x0000 | 0xFF00) {
+            return fault(node, format!("a coil or discrete input is 0xFF00 or 0, not {}", code.code));
+        }
+        codes.push(code);
+    }
+    Ok(codes)
+}
+
+/// What a write can cost and what it does: whoever is to confirm a danger must be told.
+fn cost(object: &Object<'_>, codes: &[Code], is_only_read: bool) -> Found<(Danger, Option<Texts>)> {
+    let danger_node = object.find("danger");
+    let danger = optional(danger_node, danger)?;
+    let consequence_node = object.find("consequence");
+    let consequence = consequence_node.map(texts).transpose()?;
+    if let (Some(node), true) = (consequence_node, is_only_read) {
+        return fault(node, "what is never written has no consequence");
+    }
+    let is_told = |code: &Code| consequence.is_some() || code.consequence.is_some();
+    let all_told = if codes.is_empty() { consequence.is_some() } else { codes.iter().all(is_told) };
+    if let (Some(node), Danger::Danger, false) = (danger_node, danger, all_told) {
+        return fault(node, "tell what this danger costs, as consequence");
+    }
+    if let (Some(node), Some(code)) =
+        (object.find("codes"), codes.iter().find(|code| code.danger == Danger::Danger && !is_told(code)))
+    {
+        return fault(node, format!("tell what the danger of code {} costs, as consequence", code.code));
+    }
+    Ok((danger, consequence))
 }
 
 /// Function codes, each of them allowed.
@@ -263,14 +318,51 @@ fn limits(node: Node<'_>) -> Found<Limits> {
     Ok(limits)
 }
 
+fn limits_from(node: Node<'_>) -> Found<LimitsFrom> {
+    let object = Object::of(node, &["first", "last"])?;
+    Ok(LimitsFrom { first: id(object.need("first")?)?, last: id(object.need("last")?)? })
+}
+
+/// A factor, an offset, or both.
+fn scale(object: &Object<'_>, encoding: Encoding) -> Found<Option<Scale>> {
+    let (factor_node, offset_node) = (object.find("scale"), object.find("offset"));
+    let Some(node) = factor_node.or(offset_node) else { return Ok(None) };
+    if !is_exact(encoding) {
+        return fault(node, "only whole numbers and decimals have a scale and an offset");
+    }
+    let factor = factor_node.map_or(Ok(Decimal::whole(1)), decimal)?;
+    if factor.mantissa == 0 {
+        return fault(node, "must not be 0");
+    }
+    Ok(Some(Scale { factor, offset: offset_node.map_or(Ok(Decimal::whole(0)), decimal)? }))
+}
+
+/// A number with all its digits, unlike a float.
+fn is_exact(encoding: Encoding) -> bool {
+    matches!(
+        encoding,
+        Encoding::Integer { .. }
+            | Encoding::SignMagnitude { .. }
+            | Encoding::Bcd { .. }
+            | Encoding::ReservedI16 { .. }
+            | Encoding::SignMagnitudeThousandths
+            | Encoding::SignByteMagnitude { .. }
+    )
+}
+
+fn is_number(encoding: Encoding) -> bool {
+    is_exact(encoding) || matches!(encoding, Encoding::Float { .. } | Encoding::Double { .. })
+}
+
 fn code(node: Node<'_>) -> Found<Code> {
-    let object = Object::of(node, &["code", "number", "name", "sets", "danger"])?;
+    let object = Object::of(node, &["code", "number", "name", "sets", "danger", "consequence"])?;
     let code = Code {
         code: word(object.need("code")?)?,
         number: object.find("number").map(|node| integer(node, u32::MAX)).transpose()?,
         name: object.find("name").map(texts).transpose()?,
         sets: object.find("sets").map(setting).transpose()?,
         danger: optional(object.find("danger"), danger)?,
+        consequence: object.find("consequence").map(texts).transpose()?,
     };
     if code.number.is_none() && code.name.is_none() {
         return fault(node, "a code has a number or a name");
