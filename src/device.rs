@@ -20,18 +20,18 @@ static BUILT_IN_DEVICES: LazyLock<Vec<Device>> = LazyLock::new(|| {
     if cfg!(test) {
         keep_whole();
     }
-    let places = packed.into_iter().enumerate();
-    places.filter_map(|(place, packed)| Device::of(Text::BuiltIn(place), packed.to_vec())).collect()
+    let unpacked = packed.into_iter().enumerate();
+    unpacked.filter_map(|(place, packed)| Device::of(Text::BuiltIn(place), packed.to_vec())).collect()
 });
 
-/// Brings a whole profile, where [`keep_whole`] has been called.
+/// Brings a whole profile of its text, where [`keep_whole`] has been called.
 static WHOLE: OnceLock<fn(&Text) -> Option<Profile>> = OnceLock::new();
 
 /// From here on this program's devices have whole profiles, with their notes and help, not just what is essential. Call it
 /// first. The first program does without: it would carry all texts and their loader.
 pub(crate) fn keep_whole() {
     // Nobody minds that it has been called before.
-    let _ = WHOLE.set(|text| Profile::from_json(text.words()).ok());
+    let _ = WHOLE.set(|text| Profile::from_json(text.read()).ok());
 }
 
 /// The user's own devices as they are now, and the one that is connected.
@@ -65,7 +65,7 @@ enum Text {
 }
 
 impl Text {
-    fn words(&self) -> &str {
+    fn read(&self) -> &str {
         match self {
             Self::BuiltIn(place) => BUILT_IN.get(*place).copied().unwrap_or_default(),
             Self::Own(text) => text,
@@ -104,7 +104,7 @@ pub(crate) fn known(id: &str) -> Option<&'static Device> {
 /// The device whose packed profile this is, be it of an earlier edition.
 pub(crate) fn of_packed(packed: &[u8]) -> Option<&'static Device> {
     let fits = |device: &&'static Device| device.packed == packed;
-    let ever = EVER.with_borrow(|ever| ever.iter().copied().find(fits));
+    let ever = EVER.with_borrow(|ever| ever.iter().rev().copied().find(fits));
     ever.or_else(|| built_in().iter().find(fits))
 }
 
@@ -156,7 +156,7 @@ impl Device {
 
     /// The text of its profile's file. The first program does without: it would carry all texts.
     pub(crate) fn source(&self) -> &str {
-        self.text.words()
+        self.text.read()
     }
 
     /// Its profile, packed.

@@ -94,6 +94,11 @@ texts! {
     of_unit => "Unit" | "单位";
     of_unit_from => "Unit told by point" | "单位来自数据项";
     of_decimals_from => "Decimals told by point" | "小数位数来自数据项";
+    of_scale => "Scale" | "比例";
+    of_offset => "Offset" | "偏移";
+    of_limits_first => "Range begins at point" | "量程下限来自数据项";
+    of_limits_last => "Range ends at point" | "量程上限来自数据项";
+    of_consequence => "What a write costs" | "写入后果";
     of_role => "Role" | "用途";
     of_primary => "Most important" | "主测量值";
     of_first => "From" | "下限";

@@ -81,8 +81,12 @@ const MEANING: &[Widget] = &[
     Widget::new("unit", Language::of_unit, Kind::Text),
     Widget::new("unit_from", Language::of_unit_from, Kind::Point),
     Widget::new("decimals_from", Language::of_decimals_from, Kind::Point),
+    Widget::new("scale", Language::of_scale, Kind::Number),
+    Widget::new("offset", Language::of_offset, Kind::Number),
     Widget::new("range.first", Language::of_first, Kind::Number),
     Widget::new("range.last", Language::of_last, Kind::Number),
+    Widget::new("limits_from.first", Language::of_limits_first, Kind::Point),
+    Widget::new("limits_from.last", Language::of_limits_last, Kind::Point),
     Widget::new("factory", Language::of_factory, Kind::Number),
 ];
 const WRITING: &[Widget] = &[
@@ -97,6 +101,8 @@ const CODE: &[Widget] = &[
     Widget::new("name.zh", Language::of_name, Kind::Chinese),
     Widget::new("sets", Language::of_sets, Kind::Choice(SETS)),
     Widget::new("danger", Language::of_danger, Kind::Choice(DANGERS)),
+    Widget::new("consequence.en", Language::of_consequence, Kind::English),
+    Widget::new("consequence.zh", Language::of_consequence, Kind::Chinese),
 ];
 const ORDER: Widget = Widget::new("order", Language::of_order, Kind::Choice(ORDERS));
 const DECIMALS: Widget = Widget::new("decimals", Language::of_decimals, Kind::Number);
@@ -375,6 +381,7 @@ fn details(app: &'static Workbench, path: &str) -> El {
         .child(block(all(MEANING)))
         .child(block(texts(app, &join(path, "note"), Language::of_note).into()))
         .child(block(all(WRITING)))
+        .child(block(texts(app, &join(path, "consequence"), Language::of_consequence).into()))
         .live_one(move || {
             coded.get().then(|| {
                 el("div").class("profile-codes").child(el("h4").say(app, Language::of_codes)).child(entries(
