@@ -18,7 +18,7 @@ use crate::message::{Connection, Health, Line, Link, PortId, Source, Status, ToE
 use crate::pages::{connect_above, live_page};
 use crate::route::{self, Page};
 use crate::serial::PickFault;
-use crate::settings::Settings;
+use crate::settings::{self, Settings};
 use crate::storage;
 use crate::text::Language;
 use crate::theme::{self, Theme};
@@ -53,6 +53,9 @@ pub(crate) struct App {
     pub(crate) pick_fault: RwSignal<Option<PickFault>>,
     /// The fields of the connection card.
     pub(crate) settings: Settings,
+    /// The connections to the simulator at which something was last read, one for each profile: a simulated sensor stays
+    /// what it was set to.
+    demonstrated: StoredValue<Vec<Connection>>,
     /// What has been read; [`Self::history_turn`] tells of changes.
     pub(crate) history: StoredValue<History>,
     /// How far the second program is.
@@ -161,6 +164,7 @@ impl App {
             read_only: RwSignal::new(false),
             pick_fault: RwSignal::new(None),
             settings: Settings::remembered(),
+            demonstrated: StoredValue::default(),
             history: StoredValue::new(History::default()),
             page: route::follow(),
             workbench: RwSignal::new(Loading::Absent),
@@ -190,6 +194,28 @@ impl App {
         self.connection.set(Some(connection));
     }
 
+    /// Connects the chosen device, simulated: with the settings at which it was last read, else with those of the factory,
+    /// whatever the fields say.
+    pub(crate) fn demonstrate(&self) {
+        let mut connection = settings::demonstration(self.settings.device());
+        self.demonstrated.with_value(|all| {
+            if let Some(last) = all.iter().find(|last| last.profile == connection.profile) {
+                (connection.line, connection.mode, connection.unit) = (last.line, last.mode, last.unit);
+            }
+        });
+        self.connect(connection);
+    }
+
+    fn remember_demonstration(&self) {
+        let used = self.connection.get_untracked().filter(|used| used.source == Source::Simulator);
+        if let Some(used) = used {
+            self.demonstrated.update_value(|all| {
+                all.retain(|last| last.profile != used.profile);
+                all.push(used);
+            });
+        }
+    }
+
     /// Starts the statistics anew.
     pub(crate) fn reset_statistics(&self) {
         self.history.update_value(History::reset_statistics);
@@ -213,6 +239,9 @@ impl App {
                     self.clock_lead_s.set_value(Some(least.map_or(lead, |known| known.max(lead))));
                     self.history.update_value(|history| history.take(&status.samples));
                     self.history_turn.update(|turn| *turn = turn.wrapping_add(1));
+                }
+                if status.health == Health::Reading {
+                    self.remember_demonstration();
                 }
                 self.status.set(status);
             }

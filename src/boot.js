@@ -3,16 +3,27 @@
 const inWindow = typeof document !== "undefined";
 const early = [];
 const hold = (event) => early.push(event);
+// What is loaded when it is first needed. A browser may remember that an address failed, so each further attempt has one of
+// its own.
+const later = (name) => {
+  const address = new URL(name, import.meta.url).href;
+  let attempts = 0;
+  let coming = null;
+  const failed = (error) => {
+    coming = null;
+    throw error;
+  };
+  return () => (coming ??= import(attempts++ ? `${address}?${attempts}` : address).catch(failed));
+};
 if (inWindow) {
   globalThis.buslensWorker = import.meta.url;
   globalThis.buslensAnalyst = new URL("analyst.js", import.meta.url).href;
-  // A browser may remember that an address failed, so each further attempt has one of its own.
-  const workbench = new URL("workbench.js", import.meta.url).href;
-  let attempts = 0;
-  globalThis.buslensWorkbench = () => import(attempts++ ? `${workbench}?${attempts}` : workbench);
+  globalThis.buslensWorkbench = later("workbench.js");
+} else {
+  globalThis.buslensSimulator = later("simulator.js");
+  // What the window says before the worker's program listens is kept for it.
+  addEventListener("message", hold);
 }
-// What the window says before the worker's program listens is kept for it.
-else addEventListener("message", hold);
 try {
   await start({ module_or_path: new URL("buslens.wasm", import.meta.url) });
   if (!inWindow) {

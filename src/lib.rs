@@ -1,8 +1,9 @@
 //! Buslens: reads, configures and debugs RS485 sensors from a web page.
 //!
-//! Two programs are made of this. The first, [`run`], is all that a visitor needs to read a sensor; it has two roles: in
+//! Three programs are made of this. The first, [`run`], is all that a visitor needs to read a sensor; it has two roles: in
 //! the window it draws the page, in a dedicated worker it runs the engine. The second, [`workbench`], explains and
-//! builds frames; the first loads it into the same window when it is needed.
+//! builds frames; the first loads it into the same window when it is needed. The third, [`simulator`], is the line of a
+//! demonstration; the engine loads it into its worker when somebody connects to it.
 
 mod adapter;
 mod ambient;
@@ -29,6 +30,7 @@ mod reactive;
 mod route;
 mod serial;
 mod settings;
+pub mod simulator;
 mod storage;
 mod text;
 mod theme;

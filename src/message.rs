@@ -1,4 +1,5 @@
-//! What the window and the engine's worker say to each other. Nothing else crosses between them.
+//! What the programs say to each other: the window and the engine's worker, the window's two programs, and the engine and
+//! the simulator. Nothing else crosses between them.
 //!
 //! The window owns no protocol state: it sends wishes and draws the last [`Status`]. The engine sends a status at most at
 //! display rate, however fast the line is.
@@ -53,6 +54,33 @@ pub(crate) enum ToWorkbench {
     Device(Option<(String, u8)>),
     /// Show an exchange, or none. Beside it: the element that it is to stand in.
     Exchange(Option<Exchange>),
+}
+
+/// The engine to the simulator, with the time. Answered by [`FromSimulator`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum ToSimulator {
+    /// The port has been opened, or opened anew. What came while it was closed is lost.
+    Open {
+        /// The profile of the sensor on the line, packed.
+        profile: Vec<u8>,
+        /// Settings of the port.
+        line: LineSettings,
+    },
+    /// The port sends these bytes.
+    Write(Vec<u8>),
+    /// The sensor's supply is cut for a moment.
+    PowerCycle,
+    /// Time has passed.
+    Time,
+}
+
+/// What has come of a message to the simulator.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct FromSimulator {
+    /// Bytes that have come to the port.
+    pub arrived: Vec<u8>,
+    /// When something happens next by itself, in microseconds on the engine's clock.
+    pub due_us: Option<u64>,
 }
 
 /// An exchange with what is needed to explain it.
@@ -164,6 +192,8 @@ pub(crate) enum OpenFault {
     Forbidden,
     /// The driver does not know these settings.
     UnsupportedSettings,
+    /// The simulator's program could not be loaded: it is asked for when it is first needed.
+    NotLoaded,
     /// Anything else, in the browser's own words.
     Other(String),
 }

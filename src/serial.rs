@@ -258,6 +258,8 @@ impl Session {
                 let _ = JsFuture::from(sleep(i32::try_from(milliseconds).unwrap_or(i32::MAX))).await;
                 self.set(&[("break", Some(false))]).await;
             }
+            // An adapter feeds nobody.
+            Signal::PowerCycle => {}
             Signal::Look => {
                 let Ok(looking) = self.port.signals() else { return };
                 let sink = Rc::clone(&self.sink);

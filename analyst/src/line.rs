@@ -48,6 +48,8 @@ pub enum ToLine {
     },
     /// Hold the line in the break state for so many milliseconds.
     Break(u32),
+    /// Cut the supply of the device for a moment. Only on the simulated line, which feeds it.
+    PowerCycle,
     /// Begin a replay under this profile: whatever port is open is closed.
     Replay {
         /// The device's profile, packed; empty for none.

@@ -5,6 +5,7 @@ mod common;
 use std::time::Duration;
 
 use buslens_bus::record::{self, End, Note, Origin, Outcome, What};
+use buslens_bus::sim::Device;
 use buslens_bus::time::Instant;
 use buslens_bus::{Answer, Config, Event, Exchange, Failure, Job, LinkState, Master, Poll};
 use buslens_codec::line::{LineSettings, Mode, Parity};

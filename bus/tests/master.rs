@@ -4,6 +4,7 @@ mod common;
 
 use std::time::Duration;
 
+use buslens_bus::sim::Device;
 use buslens_bus::{Answer, Config, Failure, LinkEvent, LinkState};
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::pdu::{ExceptionCode, Request, Response};

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use buslens_bus::sim::{Course, Described, Device, GaugeCable, Level, Lvdt, Motion, sensor};
 use buslens_bus::time::Instant;
-use buslens_bus::{Answer, Config, Failure};
+use buslens_bus::{Config, Failure};
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};
-use buslens_codec::pdu::{ExceptionCode, Request, Response};
-use buslens_codec::profile::{BUILT_IN, Group, Known, Profile};
-use buslens_codec::value::Value;
+use buslens_codec::pdu::{ExceptionCode, Request};
+use buslens_codec::profile::{BUILT_IN, Profile};
+use common::asked::{assert_refused, built_in, is_echoed, is_silent, read, registers, shown, write};
 use common::{Bench, START};
 use proptest::prelude::*;
 
@@ -19,76 +19,9 @@ const GAUGE_LINE: LineSettings = LineSettings::new(38_400, Parity::None);
 const LEVEL_LINE: LineSettings = LineSettings::new(9600, Parity::None);
 const ZERO_GAUGE: Request = Request::WriteSingleRegister { address: 0x0800, value: 0xAB56 };
 const CLEAR_RECORD: Request = Request::WriteSingleRegister { address: 0x0200, value: 0 };
-const READ_BAUD: Request = read(1, 1);
-
-const fn read(address: u16, quantity: u16) -> Request {
-    Request::ReadHoldingRegisters { address, quantity }
-}
-
-const fn write(address: u16, value: u16) -> Request {
-    Request::WriteSingleRegister { address, value }
-}
 
 fn gauge(course: Course) -> Bench<GaugeCable> {
     Bench::with(Config::new(GAUGE_LINE, Mode::Rtu), GaugeCable::new(1, course, START))
-}
-
-fn level(course: Course) -> Bench<Level> {
-    Bench::with(Config::new(LEVEL_LINE, Mode::Rtu), Level::new(1, course))
-}
-
-fn built_in(id: &str) -> Profile {
-    BUILT_IN.iter().map(|text| Profile::from_json(text).unwrap()).find(|profile| profile.id == id).unwrap()
-}
-
-/// Id, value and unit of every point that these reads bring.
-fn shown<D: Device>(bench: &mut Bench<D>, profile: &Profile, groups: &[Group]) -> Vec<String> {
-    let (mut known, mut all) = (Known::default(), Vec::new());
-    for group in groups {
-        let exchange = bench.ask(profile.unit, group.request().unwrap());
-        let Ok(Answer::Reply(Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values })) =
-            exchange.result
-        else {
-            panic!("{group:?}: {exchange:?}");
-        };
-        for found in profile.decode_points(group.function, group.address, &values, &mut known) {
-            assert!(found.scaled);
-            let text = found.point.text(found.value.unwrap(), |texts| &texts.en);
-            all.push([&found.point.id, " ", &text, " ", found.unit].concat().trim_end().to_owned());
-        }
-    }
-    all
-}
-
-fn registers<D: Device>(bench: &mut Bench<D>, unit: u8, request: Request) -> Vec<u16> {
-    match bench.ask(unit, request).result {
-        Ok(Answer::Reply(Response::ReadHoldingRegisters { values } | Response::ReadInputRegisters { values })) => {
-            values
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
-fn is_echoed<D: Device>(bench: &mut Bench<D>, unit: u8, request: Request) -> bool {
-    let exchange = bench.ask(unit, request);
-    // Before a read the master does not know whether the adapter echoes; here it does not.
-    matches!(exchange.result, Ok(_) | Err(Failure::Unproven)) && exchange.sent == exchange.received
-}
-
-fn is_silent<D: Device>(bench: &mut Bench<D>, unit: u8, request: Request) -> bool {
-    let exchange = bench.ask(unit, request);
-    // A late answer would be one to the next question.
-    bench.run(Duration::from_secs(5));
-    matches!(exchange.result, Err(Failure::NoAnswer { .. }))
-}
-
-#[track_caller]
-fn assert_refused<D: Device>(bench: &mut Bench<D>, refused: impl IntoIterator<Item = (Request, ExceptionCode)>) {
-    for (request, code) in refused {
-        let exchange = bench.ask(1, request.clone());
-        assert_eq!(exchange.result, Err(Failure::Exception { function: request.function(), code }), "{request:?}");
-        assert_eq!(exchange.received.len(), 5);
-    }
 }
 
 #[test]
@@ -181,6 +114,25 @@ fn the_gauge_refuses_what_its_manual_does_not_know() {
 fn the_gauge_says_no_more_than_its_format_holds() {
     let mut bench = gauge(Course::Rest(-70_000));
     assert_eq!(registers(&mut bench, 1, read(0x0000, 2)), [0x0100, 0xFFFF]);
+    let now = bench.now;
+    bench.sensor().set_course(now, Course::Rest(65_535));
+    assert_eq!(registers(&mut bench, 1, read(0x0000, 2)), [0x0000, 0xFFFF]);
+    bench.sensor().set_course(now, Course::Rest(65_536));
+    let all = [0x0000, 0x0100, 0x0200, 0x0300].map(|register| registers(&mut bench, 1, read(register, 2)));
+    assert_eq!(all, [[0, 0xFFFF], [0, 0xFFFF], [0x0100, 0xFFFF], [0, 0xFFFF]], "the range as well");
+}
+
+#[test]
+fn the_cable_forgets_its_record_without_its_supply_and_the_gauge_keeps_its_zero() {
+    let mut bench = gauge(Course::Rest(1000));
+    assert!(is_echoed(&mut bench, 1, ZERO_GAUGE));
+    let now = bench.now;
+    bench.sensor().set_course(now, Course::Rest(1800));
+    bench.sensor().set_course(now, Course::Rest(1300));
+    assert_eq!(registers(&mut bench, 1, read(0x0100, 2)), [0, 800]);
+    bench.power_cycle();
+    let all = [0x0000, 0x0100, 0x0200, 0x0300].map(|register| registers(&mut bench, 1, read(register, 2))[1]);
+    assert_eq!(all, [300, 300, 300, 0]);
 }
 
 #[test]
@@ -194,132 +146,6 @@ fn the_gauge_is_silent_at_other_settings_and_units() {
     assert!(bench.sensor().preset_baud(9600) && !bench.sensor().preset_baud(115_200));
     bench.reopen(LEVEL_LINE, Mode::Rtu);
     assert_eq!(registers(&mut bench, 1, read(0, 2)), [0, 0]);
-}
-
-#[test]
-fn a_level_comes_out_in_its_scale_and_unit() {
-    let mut bench = level(Course::Rest(6000));
-    let profile = built_in("level");
-    let live = profile.live_groups();
-    assert_eq!(shown(&mut bench, &profile, &live)[2], "value 6.000 mH₂O");
-    assert!(bench.sensor().preset(2, 1) && bench.sensor().preset(3, 1));
-    assert_eq!(shown(&mut bench, &profile, &live), ["decimals 1", "unit kPa", "value 600.0 kPa"]);
-    // Output = calibrated value + zero offset.
-    assert!(is_echoed(&mut bench, 1, write(0x000C, (-25_i16).cast_unsigned())));
-    assert_eq!(shown(&mut bench, &profile, &live)[2], "value 597.5 kPa");
-    bench.sensor().course = Course::Rest(-32_768);
-    assert_eq!(shown(&mut bench, &profile, &live)[2], "value -3276.8 kPa");
-    let every = profile.groups_of(&profile.points);
-    let expected = [
-        "address 1",
-        "baud 9600 Bd",
-        "unit kPa",
-        "decimals 1",
-        "value -3276.8 kPa",
-        "range_zero 0.0 kPa",
-        "range_full 1000.0 kPa",
-        "zero_offset -2.5 kPa",
-    ];
-    assert_eq!(every.len(), expected.len());
-    let found = shown(&mut bench, &profile, &[&profile.groups, &every[7..]].concat());
-    assert_eq!(found, expected, "the block that may work brings the same");
-}
-
-#[test]
-fn a_level_transmitter_may_know_single_reads_only() {
-    let mut bench = level(Course::Rest(0));
-    assert_eq!(registers(&mut bench, 1, read(0, 7)), [1, 3, 7, 3, 0, 0, 10_000]);
-    let address = ExceptionCode::IllegalDataAddress;
-    assert_refused(&mut bench, [(read(0, 8), address), (read(6, 7), address), (read(0x000B, 2), address)]);
-    bench.sensor().answers_blocks = false;
-    assert_refused(&mut bench, [(read(0, 7), address), (read(3, 2), address)]);
-    assert_eq!(registers(&mut bench, 1, read(6, 1)), [10_000]);
-}
-
-#[test]
-fn a_level_transmitter_refuses_what_users_may_not_write() {
-    let mut bench = level(Course::Rest(0));
-    let address = ExceptionCode::IllegalDataAddress;
-    let value = ExceptionCode::IllegalDataValue;
-    let function = ExceptionCode::IllegalFunction;
-    let calibration = (2..=6).map(|register| (write(register, 1), address));
-    let others = [
-        (write(0, 0), value),
-        (write(0, 256), value),
-        (write(1, 8), value),
-        (write(0x000F, 2), value),
-        (write(0x0010, 0), value),
-        (write(0x0020, 0), address),
-        (read(0x000F, 1), address),
-        (read(7, 1), address),
-        (Request::ReadInputRegisters { address: 4, quantity: 1 }, function),
-        (Request::WriteMultipleRegisters { address: 0, values: vec![2] }, function),
-    ];
-    assert_refused(&mut bench, calibration.chain(others));
-    assert_eq!(registers(&mut bench, 1, read(0, 7)), [1, 3, 7, 3, 0, 0, 10_000]);
-}
-
-#[test]
-fn a_change_of_the_baud_rate_is_answered_at_the_old_one() {
-    let mut bench = level(Course::Rest(0));
-    let exchange = bench.ask(1, write(1, 7));
-    assert_eq!(exchange.received, exchange.sent);
-    assert!(is_silent(&mut bench, 1, READ_BAUD));
-    bench.reopen(LineSettings::new(115_200, Parity::None), Mode::Rtu);
-    assert_eq!(registers(&mut bench, 1, READ_BAUD), [7]);
-    // Always without parity.
-    bench.reopen(LineSettings::new(115_200, Parity::Even), Mode::Rtu);
-    assert!(is_silent(&mut bench, 1, READ_BAUD));
-}
-
-#[test]
-fn a_change_of_the_address_is_answered_from_the_old_one() {
-    let mut bench = level(Course::Rest(0));
-    assert!(is_echoed(&mut bench, 1, write(0, 255)));
-    assert!(is_silent(&mut bench, 1, READ_BAUD));
-    assert_eq!(registers(&mut bench, 255, read(0, 1)), [255]);
-    assert!(is_silent(&mut bench, 0, READ_BAUD), "it knows no broadcast");
-}
-
-#[test]
-fn a_restore_brings_back_what_was_saved_to_the_factory_area() {
-    let mut bench = level(Course::Rest(100));
-    assert!(is_echoed(&mut bench, 1, write(0x000C, 50)));
-    assert!(is_echoed(&mut bench, 1, write(0, 9)));
-    // Unsaved: gone with the supply, unless the device keeps it.
-    bench.sensor().power_cycle();
-    assert_eq!(registers(&mut bench, 1, read(4, 1)), [100]);
-    bench.sensor().keeps_unsaved = true;
-    assert!(is_echoed(&mut bench, 1, write(0x000C, 50)));
-    bench.sensor().power_cycle();
-    assert_eq!(registers(&mut bench, 1, read(4, 1)), [150]);
-    bench.sensor().keeps_unsaved = false;
-    assert!(is_echoed(&mut bench, 1, write(0x000F, 0)));
-    bench.sensor().power_cycle();
-    assert_eq!(registers(&mut bench, 1, read(4, 1)), [150]);
-    // The restore is answered at the old settings, and then everything is as it left the factory.
-    assert!(is_echoed(&mut bench, 1, write(0, 9)) && is_echoed(&mut bench, 9, write(1, 4)));
-    bench.reopen(LineSettings::new(19_200, Parity::None), Mode::Rtu);
-    assert!(is_echoed(&mut bench, 9, write(0x0010, 1)));
-    assert!(is_silent(&mut bench, 9, READ_BAUD) && is_silent(&mut bench, 1, READ_BAUD));
-    bench.reopen(LEVEL_LINE, Mode::Rtu);
-    assert_eq!(registers(&mut bench, 1, read(4, 1)), [100]);
-    // Saved to the factory area, a change comes back with the restore.
-    assert!(is_echoed(&mut bench, 1, write(0x000C, 7)) && is_echoed(&mut bench, 1, write(0x000F, 1)));
-    assert!(is_echoed(&mut bench, 1, write(0x000C, 0)) && is_echoed(&mut bench, 1, write(0x0010, 1)));
-    assert_eq!(registers(&mut bench, 1, read(4, 1)), [107]);
-}
-
-#[test]
-fn a_swinging_level_stays_in_its_range() {
-    let mut bench = level(Course::Swing);
-    bench.poll_every(Duration::from_millis(500), [read(4, 1)]);
-    let exchanges = bench.run(Duration::from_mins(2));
-    let values: Vec<u16> =
-        exchanges.iter().map(|exchange| u16::from_be_bytes([exchange.received[3], exchange.received[4]])).collect();
-    assert_eq!(values.len(), 240);
-    assert!(values.iter().all(|value| (500..=9500).contains(value)), "{values:?}");
-    assert!(values.iter().max().unwrap() - values.iter().min().unwrap() > 7000);
 }
 
 /// A profile without a simulated sensor: every encoding that a demonstration should move, and settings of all kinds.
@@ -412,6 +238,30 @@ fn a_device_of_a_profile_takes_what_the_profile_allows() {
 }
 
 #[test]
+fn a_device_of_a_profile_can_be_in_any_state() {
+    let mut bench = stranger();
+    assert!(bench.sensor().preset(110, 25) && bench.sensor().preset(100, 1), "also what nobody may write");
+    // No such register, a value that it does not take, a code that nobody knows, a table that is not meant.
+    for (register, value) in [(103, 1), (110, 4), (102, 1), (0, 1)] {
+        assert!(!bench.sensor().preset(register, value), "{register} {value}");
+    }
+    assert_eq!(registers(&mut bench, 42, read(110, 1)), [25]);
+    assert_eq!(registers(&mut bench, 42, read(102, 1)), [192]);
+    assert!(bench.sensor().preset(101, 7) && bench.sensor().preset(102, 96));
+    assert!(is_silent(&mut bench, 42, read(110, 1)));
+    let line = LineSettings { baud: 9600, ..Profile::from_json(STRANGER).unwrap().line };
+    bench.reopen(line, Mode::Rtu);
+    assert_eq!(registers(&mut bench, 7, read(101, 2)), [7, 96]);
+    assert_eq!(bench.sensor().flash_writes(), 0);
+    assert!(is_echoed(&mut bench, 7, write(110, 30)));
+    assert_eq!(bench.sensor().flash_writes(), 1);
+    // It is deaf for a while after a power failure, and is then as it was.
+    bench.power_cycle();
+    assert!(is_silent(&mut bench, 7, read(110, 1)));
+    assert_eq!(registers(&mut bench, 7, read(110, 1)), [30]);
+}
+
+#[test]
 fn every_built_in_profile_has_a_sensor_that_moves_as_it_says() {
     for text in BUILT_IN {
         let profile = || Profile::from_json(text).unwrap();
@@ -442,20 +292,6 @@ fn a_file_that_only_has_the_name_of_a_sensor_gets_a_device_of_its_own() {
         let mut bench = Bench::with(Config::new(profile.line, profile.mode), sensor(profile.clone(), START));
         let found = shown(&mut bench, &profile, &profile.live_groups());
         assert_eq!(found.len(), 4, "{to}: {found:?}");
-    }
-}
-
-#[test]
-fn a_level_has_up_to_three_decimals() {
-    let mut bench = level(Course::Rest(1234));
-    let profile = built_in("level");
-    for (decimals, text) in [(0, "1234"), (1, "123.4"), (2, "12.34"), (3, "1.234")] {
-        assert!(bench.sensor().preset(3, decimals));
-        let exchange = bench.ask(1, read(0, 7));
-        let Ok(Answer::Reply(Response::ReadHoldingRegisters { values })) = exchange.result else { panic!() };
-        let found = profile.decode_points(3, 0, &values, &mut Known::default());
-        let value = found.iter().find(|found| found.point.id == "value").and_then(|found| found.value.ok());
-        assert_eq!(value.map(|value| Value::to_string(&value)).as_deref(), Some(text));
     }
 }
 

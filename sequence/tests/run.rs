@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use buslens_bus::record::{End, Outcome};
-use buslens_bus::sim::{Lvdt, Motion};
+use buslens_bus::sim::{Device, Lvdt, Motion};
 use buslens_bus::time::Instant;
 use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode, Parity};

@@ -30,6 +30,8 @@ pub(crate) struct Fault {
 pub(crate) enum Remedy {
     /// Closes the port, so that the settings can be changed.
     ChangeSettings,
+    /// Connects again as before.
+    ConnectAgain,
     /// Takes the panel away.
     Dismiss,
 }
@@ -45,6 +47,11 @@ pub(crate) fn fault_panel(app: &'static App, fault: &Fault) -> El {
         Remedy::ChangeSettings => {
             button(app, "", "change-settings", Language::change_settings).click(|| link::send(&ToEngine::Disconnect))
         }
+        Remedy::ConnectAgain => button(app, "", "connect-again", Language::load_again).click(|| {
+            if let Some(connection) = app.connection.get_untracked() {
+                app.connect(connection);
+            }
+        }),
         Remedy::Dismiss => button(app, "", "dismiss", Language::dismiss).click(|| app.pick_fault.set(None)),
     }));
     let panel = el("section").class("alert").attr("role", "alert").test("fault").attr("data-fault", fault.id);

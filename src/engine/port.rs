@@ -26,6 +26,8 @@ pub(crate) enum Signal {
     Set(Option<bool>, Option<bool>),
     /// Hold the line in the break state for so many milliseconds. What is written next leaves after it.
     Break(u32),
+    /// Cut the supply of what is on the line for a moment.
+    PowerCycle,
     /// Look at the inputs. Answered by `Inputs`, where the port can.
     Look,
 }

@@ -74,7 +74,7 @@ impl Session {
     ) -> Result<Self, OpenFault> {
         let profile = Profile::unpack(&connection.profile)
             .ok_or_else(|| OpenFault::Other("the profile cannot be read".to_owned()))?;
-        let port = make_port(engine, number, connection.source, &profile);
+        let port = make_port(engine, number, connection.source, connection.profile.clone());
         let mut master = Master::new(config(Some(&profile), connection.line, connection.mode));
         master.set_read_only(console.line.read_only);
         console.line.signals = Signals::default();
@@ -237,6 +237,7 @@ impl Session {
                 signals.rts = rts.or(signals.rts);
                 self.signal(Signal::Set(dtr, rts));
             }
+            ToLine::PowerCycle => self.signal(Signal::PowerCycle),
             ToLine::Break(length_ms) if !self.is_replay() => {
                 let length_ms = length_ms.min(LONGEST_BREAK_MS);
                 let job = Job::raw(Vec::new(), Some(milliseconds(length_ms))).by(Origin::Console);
@@ -425,7 +426,7 @@ fn config(profile: Option<&Profile>, line: LineSettings, mode: Mode) -> Config {
     config
 }
 
-fn make_port(engine: &Rc<Engine>, number: u32, source: Source, profile: &Profile) -> Box<dyn Port> {
+fn make_port(engine: &Rc<Engine>, number: u32, source: Source, profile: Vec<u8>) -> Box<dyn Port> {
     let weak = Rc::downgrade(engine);
     let sink = move |event| {
         if let Some(engine) = weak.upgrade() {
@@ -434,6 +435,6 @@ fn make_port(engine: &Rc<Engine>, number: u32, source: Source, profile: &Profile
     };
     match source {
         Source::Serial(id) => Box::new(WebSerialPort::new(id, sink)),
-        Source::Simulator | Source::Replay => Box::new(SimulatedPort::new(profile.clone(), sink)),
+        Source::Simulator | Source::Replay => Box::new(SimulatedPort::new(profile, sink)),
     }
 }

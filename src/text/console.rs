@@ -40,6 +40,8 @@ texts! {
     lamp_unknown => "not told by the port" | "串口未提供";
     break_line => "Break" | "发送 Break";
     break_hint => "Holds the line in the break state for so long." | "使线路保持 Break 状态这么长时间。";
+    power_cycle => "Power-cycle" | "断电重启";
+    power_cycle_hint => "Cuts the simulated sensor's supply for a moment: what it has not saved is lost, and it may need a while to start." | "让模拟传感器瞬间断电再上电：未保存的设置会丢失，并可能需要片刻才能恢复通信。";
     break_duration => "Duration of the break in milliseconds" | "Break 持续时间，单位毫秒";
 
     log => "Log" | "日志";

@@ -51,6 +51,11 @@ texts! {
     unsupported_standard => "Use a standard baud rate, such as 9600 or 115200." | "请使用标准波特率，例如 9600 或 115200。";
     unsupported_bits => "Use 8 data bits and 1 stop bit." | "请使用 8 个数据位和 1 个停止位。";
 
+    not_loaded => "The simulated sensor could not be loaded" | "无法加载模拟传感器";
+    not_loaded_what => "It is a part of this page that is fetched when it is first used, and it did not arrive." | "它是本页的一部分，首次使用时才会加载，但这次没有加载成功。";
+    not_loaded_network => "Check the network connection, then try again." | "检查网络连接，然后重试。";
+    not_loaded_reload => "If that does not help, reload the page: a newer version may have replaced this one." | "如果仍然不行，请重新加载页面：网站可能已更新为新版本。";
+
     open_other => "The port could not be opened" | "无法打开串口";
     open_other_what(words: &str) => "The browser says: {words}" | "浏览器报告：{words}";
     pick_other => "The list of ports could not be shown" | "无法显示串口列表";

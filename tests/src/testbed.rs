@@ -3,6 +3,7 @@
 mod adapter;
 mod browser;
 mod chatter;
+mod developer;
 mod independent;
 mod memory;
 mod pty;
@@ -11,6 +12,7 @@ mod wire;
 pub use adapter::{Adapter, CH340};
 pub use browser::{Browser, Look};
 pub use chatter::Chatter;
+pub use developer::Withheld;
 pub use independent::{Registers, Relay};
 pub use memory::Held;
 pub use pty::Pty;

@@ -50,10 +50,10 @@ impl FirstLoad {
 /// Builds the site into `folder`, which is replaced as a whole.
 pub(crate) fn build(options: Options, folder: &Path) -> Result<FirstLoad> {
     let toolchain = Wasm::find(options.debian_std)?;
-    let programs = [PAGE, WORKBENCH, ANALYST].map(|program| compile(toolchain, program, options));
+    let programs = [PAGE, WORKBENCH, SIMULATOR, ANALYST].map(|program| compile(toolchain, program, options));
     println!("site: binding and compressing");
-    let [page, workbench, analyst] = programs.map(|compiled| bind(&compiled?, options.symbols));
-    let site = assemble(&page?, &workbench?, &analyst?)?;
+    let [page, workbench, simulator, analyst] = programs.map(|compiled| bind(&compiled?, options.symbols));
+    let site = assemble(&page?, &workbench?, &simulator?, &analyst?)?;
     let pack =
         |files: Vec<File>| files.into_iter().map(|file| Packed::new(file, options.quick)).collect::<Result<Vec<_>>>();
     let (first, later) = (pack(site.first)?, pack(site.later)?);
@@ -75,6 +75,8 @@ struct Program {
 const PAGE: Program = Program { package: "buslens", name: "buslens", profile: "site" };
 /// Explains and builds frames; loaded when there is one to explain.
 const WORKBENCH: Program = Program { package: "buslens", name: "buslens-workbench", profile: "site" };
+/// The line of a demonstration; loaded when somebody connects to it.
+const SIMULATOR: Program = Program { package: "buslens", name: "buslens-simulator", profile: "site" };
 /// Reads whole texts; loaded when there is one to read.
 const ANALYST: Program = Program { package: "buslens-analyst", name: "buslens-analyst", profile: "analyst" };
 
@@ -174,7 +176,7 @@ struct Site {
 }
 
 /// All files. Each file's name is put into the files that refer to it.
-fn assemble(page: &Bound, workbench: &Bound, analyst: &Bound) -> Result<Site> {
+fn assemble(page: &Bound, workbench: &Bound, simulator: &Bound, analyst: &Bound) -> Result<Site> {
     let root = machine::root();
     let source = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
     let named = |stem, extension, bytes| File::named(stem, extension, bytes);
@@ -188,10 +190,15 @@ fn assemble(page: &Bound, workbench: &Bound, analyst: &Bound) -> Result<Site> {
     let script = replace(&script, "\"workbench.wasm\"", &workbench_wasm.name)?;
     let script = replace(&script, "\"workbench.css\"", &workbench_style.name)?;
     let workbench_script = named("buslens-workbench", "js", minify::js(&script).into_bytes());
+    let simulator_wasm = named("buslens-simulator", "wasm", simulator.wasm.clone());
+    let script = self::script(&simulator.glue, &source("src/bin/buslens-simulator.js")?)?;
+    let script = replace(&script, "\"simulator.wasm\"", &simulator_wasm.name)?;
+    let simulator_script = named("buslens-simulator", "js", minify::js(&script).into_bytes());
     let wasm = named("buslens", "wasm", page.wasm.clone());
     let script = replace(&self::script(&page.glue, &source("src/boot.js")?)?, "\"buslens.wasm\"", &wasm.name)?;
     let script = replace(&script, "\"analyst.js\"", &analyst_script.name)?;
     let script = replace(&script, "\"workbench.js\"", &workbench_script.name)?;
+    let script = replace(&script, "\"simulator.js\"", &simulator_script.name)?;
     let script = named("buslens", "js", minify::js(&script).into_bytes());
     let style = named("buslens", "css", minify::css(&first_styles).into_bytes());
     let icon = named("buslens", "svg", source("icon.svg")?.into_bytes());
@@ -202,7 +209,15 @@ fn assemble(page: &Bound, workbench: &Bound, analyst: &Bound) -> Result<Site> {
         page = replace(&page, plain, &file.name)?;
     }
     let page = File { name: "index.html".to_owned(), bytes: page.into_bytes() };
-    let later = vec![workbench_script, workbench_wasm, workbench_style, analyst_script, analyst_wasm];
+    let later = vec![
+        workbench_script,
+        workbench_wasm,
+        workbench_style,
+        simulator_script,
+        simulator_wasm,
+        analyst_script,
+        analyst_wasm,
+    ];
     Ok(Site { first: vec![page, script, wasm, style, icon], later })
 }
 

@@ -32,6 +32,7 @@ pub struct Described {
     swings: Vec<Swing>,
     known: Known,
     listening_from: Instant,
+    flash_writes: u32,
 }
 
 /// One register, or one coil as FF00 and 0000.
@@ -77,6 +78,7 @@ impl Described {
             swings: Vec::new(),
             known: Known::default(),
             listening_from: Instant::ZERO,
+            flash_writes: 0,
         };
         device.reset();
         device
@@ -191,6 +193,9 @@ impl Described {
         if !found.iter().all(|found| found.value.is_ok_and(|value| found.point.allows(value))) {
             return Err(ILLEGAL_VALUE);
         }
+        if found.iter().any(|found| found.point.role != Role::Command) {
+            self.flash_writes = self.flash_writes.saturating_add(1);
+        }
         let before = self.link;
         let (mut starts_over, mut replies_by_new, mut restarts) = (false, false, false);
         for found in &found {
@@ -208,7 +213,7 @@ impl Described {
             self.reset();
         }
         if restarts {
-            self.listening_from = now + Duration::from_millis(self.profile.timing.startup_silence_ms.into());
+            self.power_cycle(now);
         }
         self.learn();
         Ok(if replies_by_new { self.link } else { before })
@@ -259,6 +264,33 @@ impl Device for Described {
         };
         let Link { line, mode, .. } = replies_by;
         Some(Reply { unit, pdu: answer(function, result), after: pause(line), line, mode })
+    }
+
+    /// Everything is kept: a profile does not say what is not.
+    fn power_cycle(&mut self, now: Instant) {
+        self.listening_from = now + Duration::from_millis(self.profile.timing.startup_silence_ms.into());
+    }
+
+    /// Any register of a point, also one that no request may write; what it sets on the line is in force.
+    fn preset(&mut self, register: u16, value: u16) -> bool {
+        let is_own = |cell: &&mut Cell| cell.table == Table::HoldingRegisters && cell.address == register;
+        // Of a value of several registers one alone says nothing, and no point is found.
+        let found = self.profile.decode_points(3, register, &[value], &mut self.known.clone());
+        let allowed = found.iter().all(|found| found.value.is_ok_and(|value| found.point.allows(value)));
+        let Some(cell) = self.cells.iter_mut().find(is_own).filter(|_| allowed) else { return false };
+        cell.value = value;
+        for found in &found {
+            if let Ok(value) = found.value {
+                self.link = self.profile.link_after(found.point, value, self.link).unwrap_or(self.link);
+            }
+        }
+        self.learn();
+        true
+    }
+
+    /// Requests that wrote a setting; commands alone leave no trace.
+    fn flash_writes(&self) -> u32 {
+        self.flash_writes
     }
 }
 

@@ -171,6 +171,11 @@ impl Device for GaugeCable {
         let line = self.line();
         Some(Reply { unit, pdu: answer(function, result), after: pause(line), line, mode: Mode::Rtu })
     }
+
+    /// The cable is fed by the port (section on its pins), so its record is gone; the gauge has a battery and keeps its zero.
+    fn power_cycle(&mut self, now: Instant) {
+        self.restart_record(now);
+    }
 }
 
 /// The time of the last sample at `now`, in microseconds.

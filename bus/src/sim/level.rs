@@ -29,6 +29,7 @@ pub struct Level {
     now_used: Parameters,
     user_area: Parameters,
     factory_area: Parameters,
+    flash_writes: u32,
 }
 
 /// Everything that it keeps, as registers.
@@ -81,20 +82,18 @@ impl Level {
             now_used: factory,
             user_area: factory,
             factory_area: factory,
+            flash_writes: 0,
         }
     }
 
-    /// Sets a parameter, be it calibration data, as the maker's software would have and has saved for the user; what a
-    /// restore brings back stays. False if there is no such register or value.
-    pub fn preset(&mut self, register: u16, value: u16) -> bool {
-        self.now_used.set(register, value) && self.user_area.set(register, value)
+    /// Sets a parameter in the factory area, be it calibration data: a restore brings it back. False if there is no such
+    /// register or value.
+    pub fn preset_factory(&mut self, register: u16, value: u16) -> bool {
+        self.factory_area.set(register, value)
     }
 
-    /// Its supply was cut and has come back.
-    pub fn power_cycle(&mut self) {
-        if !self.keeps_unsaved {
-            self.now_used = self.user_area;
-        }
+    fn count_write(&mut self) {
+        self.flash_writes = self.flash_writes.saturating_add(1);
     }
 
     fn read(&mut self, now: Instant, address: u16, quantity: u16) -> Result<Vec<u8>, u8> {
@@ -120,13 +119,23 @@ impl Level {
                 if !self.now_used.set(address, value) {
                     return Err(ILLEGAL_VALUE);
                 }
+                if self.keeps_unsaved {
+                    self.count_write();
+                }
             }
-            (0x000F, 0) => self.user_area = self.now_used,
-            (0x000F, 1) => self.factory_area = self.now_used,
+            (0x000F, 0) => {
+                self.user_area = self.now_used;
+                self.count_write();
+            }
+            (0x000F, 1) => {
+                self.factory_area = self.now_used;
+                self.count_write();
+            }
             // Address, baud rate and calibration may all be others afterwards (note 4).
             (0x0010, 1) => {
                 self.now_used = self.factory_area;
                 self.user_area = self.factory_area;
+                self.count_write();
             }
             (0x000F | 0x0010, _) => return Err(ILLEGAL_VALUE),
             // Note 6: calibration data is refused. By which exception, it does not say.
@@ -182,5 +191,21 @@ impl Device for Level {
             _ => Err(ILLEGAL_FUNCTION),
         };
         Some(Reply { unit, pdu: answer(function, result), after: pause(line), line, mode: Mode::Rtu })
+    }
+
+    fn power_cycle(&mut self, _: Instant) {
+        if !self.keeps_unsaved {
+            self.now_used = self.user_area;
+        }
+    }
+
+    /// Also calibration data, as the maker's software would have; saved for the user. What a restore brings back stays.
+    fn preset(&mut self, register: u16, value: u16) -> bool {
+        self.now_used.set(register, value) && self.user_area.set(register, value)
+    }
+
+    /// Saves and restores; and changes, where they are kept unsaved.
+    fn flash_writes(&self) -> u32 {
+        self.flash_writes
     }
 }

@@ -57,6 +57,16 @@ impl<D: Device> Line<D> {
         self.host = settings;
     }
 
+    /// The supply of every device on the line is cut and comes back at once. What a device has not said by then it never
+    /// says; what the host is sending goes on.
+    pub fn power_cycle(&mut self, now: Instant) {
+        self.handle_timeout(now);
+        self.to_host.retain(|character| character.station.is_none());
+        for station in &mut self.stations {
+            station.power_cycle(now);
+        }
+    }
+
     /// The host hands bytes to its port, which sends them one after the other.
     pub fn handle_bytes(&mut self, now: Instant, bytes: &[u8]) {
         self.handle_timeout(now);

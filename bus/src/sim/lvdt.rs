@@ -12,8 +12,11 @@ use super::server::{
 use super::station::{Device, Reply};
 use crate::time::Instant;
 
-/// Deaf after power-on and after a factory reset (section 1.1, note 2).
+/// Deaf after power-on and after a factory reset (section 1.1, notes 2 and 6).
 const START_UP: Duration = Duration::from_millis(1500);
+/// How long it is busy with its flash after a write: somewhat less than the tenth of a second that the manual asks for
+/// between two writes (section 1.3, note 2), so that nobody who keeps to it loses one.
+const FLASH_BUSY: Duration = Duration::from_millis(80);
 
 /// How the probe moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +32,18 @@ pub enum Motion {
     Swing,
 }
 
+/// From which register a sensor tells its address when everybody is asked. The manual says both: the text 0x0030
+/// (section 3.1), the questions and answers 0x0000 (section 5.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BroadcastAddress {
+    /// From 0x0030 only.
+    At0030,
+    /// From 0x0000 only.
+    At0000,
+    /// From either.
+    Either,
+}
+
 /// The simulated sensor.
 #[derive(Clone, Debug)]
 pub struct Lvdt {
@@ -36,12 +51,21 @@ pub struct Lvdt {
     pub motion: Motion,
     /// The reply to a change of the line's settings comes at the new settings already. The manual leaves it open.
     pub answers_at_new_settings: bool,
+    /// Where it is asked for its address by those who have forgotten it.
+    pub broadcast_address: BroadcastAddress,
+    /// The zero outlives a power failure. The manual leaves it open. It calls the zero a logical one, set in the course of
+    /// use (section 2.1), and does not count it among what is written to flash (section 1.3, note 2): so it is lost, unless
+    /// this is set.
+    pub keeps_zero: bool,
     /// The number printed on the housing, to which a factory reset returns.
     housing: u8,
     parameters: Parameters,
     zero_micrometres: i32,
     listening_from: Instant,
     flash_writes: u32,
+    /// Until then it is busy with its flash, and takes no further parameter.
+    writing_until: Instant,
+    lost_writes: u32,
 }
 
 /// What the sensor keeps in flash (table 3), as codes.
@@ -81,34 +105,23 @@ impl Lvdt {
         Self {
             motion,
             answers_at_new_settings: false,
+            broadcast_address: BroadcastAddress::At0030,
+            keeps_zero: false,
             housing,
             parameters: Parameters::factory(housing),
             zero_micrometres: 0,
             listening_from: Instant::ZERO,
             flash_writes: 0,
+            writing_until: Instant::ZERO,
+            lost_writes: 0,
         }
     }
 
-    /// Sets a parameter as an earlier write would have; false if there is no such register or value.
-    pub fn preset(&mut self, register: u16, value: u16) -> bool {
-        match self.parameters.at(register) {
-            Some((parameter, values)) if values.contains(&value) => {
-                *parameter = value;
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Its supply was cut and has come back at `now`.
-    pub fn power_cycle(&mut self, now: Instant) {
-        self.listening_from = now + START_UP;
-        self.zero_micrometres = 0;
-    }
-
-    /// Writes to flash so far; it endures about 100 000.
-    pub fn flash_writes(&self) -> u32 {
-        self.flash_writes
+    /// Writes of parameters that came too soon after another one, and were neither taken nor answered. The manual says only
+    /// that more than ten a second are too many, because writing to flash takes time; a sensor that is busy with it and
+    /// misses the next write is the least that this can mean.
+    pub fn lost_writes(&self) -> u32 {
+        self.lost_writes
     }
 
     fn read_input(&self, now: Instant, address: u16, quantity: u16) -> Result<Vec<u8>, u8> {
@@ -124,9 +137,18 @@ impl Lvdt {
         Ok(read_reply(4, wanted))
     }
 
-    fn read_holding(&mut self, address: u16, quantity: u16) -> Result<Vec<u8>, u8> {
+    fn read_holding(&mut self, unit: UnitId, address: u16, quantity: u16) -> Result<Vec<u8>, u8> {
         if !(1..=125).contains(&quantity) {
             return Err(ILLEGAL_VALUE);
+        }
+        if unit == UnitId::BROADCAST && quantity == 1 {
+            match (self.broadcast_address, address) {
+                (BroadcastAddress::At0000 | BroadcastAddress::Either, 0x0000) => {
+                    return Ok(read_reply(3, &[self.parameters.address]));
+                }
+                (BroadcastAddress::At0000, 0x0030) => return Err(ILLEGAL_ADDRESS),
+                _ => {}
+            }
         }
         let registers = (0..quantity).map(|offset| {
             let register = address.checked_add(offset).ok_or(ILLEGAL_ADDRESS)?;
@@ -136,7 +158,7 @@ impl Lvdt {
     }
 
     /// All values are checked before any is written.
-    fn write_holding(&mut self, address: u16, values: &[u16]) -> Result<(), u8> {
+    fn write_holding(&mut self, now: Instant, address: u16, values: &[u16]) -> Result<(), u8> {
         let mut changed = self.parameters;
         for (offset, &value) in (0u16..).zip(values) {
             let register = address.checked_add(offset).ok_or(ILLEGAL_ADDRESS)?;
@@ -147,8 +169,15 @@ impl Lvdt {
             *parameter = value;
         }
         self.parameters = changed;
-        self.flash_writes = self.flash_writes.saturating_add(1);
+        self.write_flash(now);
         Ok(())
+    }
+
+    /// Counts a write, also one that changes nothing: the manual promises no comparison, and a page of flash that is written
+    /// again with the same content wears all the same.
+    fn write_flash(&mut self, now: Instant) {
+        self.flash_writes = self.flash_writes.saturating_add(1);
+        self.writing_until = now + FLASH_BUSY;
     }
 
     fn write_coil(&mut self, now: Instant, address: u16, value: u16) -> Result<(), u8> {
@@ -156,14 +185,22 @@ impl Lvdt {
             (0x0050, 0xFF00) => self.zero_micrometres = self.position(now),
             (0x0050, 0x0000) => self.zero_micrometres = 0,
             (0x0051, 0xFF00) => {
+                // It echoes at the settings that it had, and restarts then (section 3.5).
+                let echoed = now + pause(self.line()) + self.line().character_time(self.echo_length());
                 self.parameters = Parameters::factory(self.housing);
-                self.flash_writes = self.flash_writes.saturating_add(1);
-                self.power_cycle(now);
+                self.write_flash(now);
+                self.zero_micrometres = 0;
+                self.listening_from = echoed + START_UP;
             }
             (0x0050 | 0x0051, _) => return Err(ILLEGAL_VALUE),
             _ => return Err(ILLEGAL_ADDRESS),
         }
         Ok(())
+    }
+
+    /// Characters of a frame that writes a coil.
+    fn echo_length(&self) -> usize {
+        if self.mode() == Mode::Ascii { 17 } else { 8 }
     }
 
     /// Displacement in micrometres, zero taken off, and temperature in 0.1 degC, as of the last sample.
@@ -228,12 +265,16 @@ impl Device for Lvdt {
         let (line, mode) = (self.line(), self.mode());
         let (&function, data) = pdu.split_first()?;
         let result = match (function, data) {
-            (3, &[a, b, c, d]) => self.read_holding(word(a, b), word(c, d)),
+            (3, &[a, b, c, d]) => self.read_holding(unit, word(a, b), word(c, d)),
             (4, &[a, b, c, d]) => self.read_input(now, word(a, b), word(c, d)),
             (5, &[a, b, c, d]) => self.write_coil(now, word(a, b), word(c, d)).map(|()| pdu.to_vec()),
+            (0x10, _) if now < self.writing_until => {
+                self.lost_writes = self.lost_writes.saturating_add(1);
+                return None;
+            }
             (0x10, &[a, b, c, d, count, ref values @ ..]) => {
                 let values = written_registers(word(c, d), count, values).ok_or(ILLEGAL_VALUE);
-                let written = values.and_then(|values| self.write_holding(word(a, b), &values));
+                let written = values.and_then(|values| self.write_holding(now, word(a, b), &values));
                 written.map(|()| pdu[..5].to_vec())
             }
             // A request of the wrong length is no request.
@@ -241,8 +282,31 @@ impl Device for Lvdt {
             _ => Err(ILLEGAL_FUNCTION),
         };
         let pdu = answer(function, result);
-        let (line, mode) = if self.answers_at_new_settings { (self.line(), self.mode()) } else { (line, mode) };
+        let at_new = self.answers_at_new_settings && function == 0x10;
+        let (line, mode) = if at_new { (self.line(), self.mode()) } else { (line, mode) };
         Some(Reply { unit, pdu, after: pause(line), line, mode })
+    }
+
+    fn power_cycle(&mut self, now: Instant) {
+        self.listening_from = now + START_UP;
+        if !self.keeps_zero {
+            self.zero_micrometres = 0;
+        }
+    }
+
+    fn preset(&mut self, register: u16, value: u16) -> bool {
+        match self.parameters.at(register) {
+            Some((parameter, values)) if values.contains(&value) => {
+                *parameter = value;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// It endures about 100 000 (section 1.3, note 2).
+    fn flash_writes(&self) -> u32 {
+        self.flash_writes
     }
 }
 

@@ -52,4 +52,16 @@ impl Device for Box<dyn Device> {
     fn serve(&mut self, now: Instant, unit: UnitId, pdu: &[u8]) -> Option<Reply> {
         self.as_mut().serve(now, unit, pdu)
     }
+
+    fn power_cycle(&mut self, now: Instant) {
+        self.as_mut().power_cycle(now);
+    }
+
+    fn preset(&mut self, register: u16, value: u16) -> bool {
+        self.as_mut().preset(register, value)
+    }
+
+    fn flash_writes(&self) -> u32 {
+        self.as_ref().flash_writes()
+    }
 }

@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use buslens_codec::line::{LineSettings, Mode};
+use buslens_codec::line::{DataBits, LineSettings, Mode};
 use buslens_codec::{UnitId, adu, ascii, rtu};
 
 use crate::time::Instant;
@@ -21,6 +21,20 @@ pub trait Device: Send {
 
     /// Its answer to a PDU with a right check that was addressed to `unit`; `None` is silence.
     fn serve(&mut self, now: Instant, unit: UnitId, pdu: &[u8]) -> Option<Reply>;
+
+    /// Its supply was cut and has come back at `now`. A device that does not say otherwise is none the worse for it.
+    fn power_cycle(&mut self, _: Instant) {}
+
+    /// Sets a holding register as earlier writes or the maker would have, without counting it as a write; false, and
+    /// nothing is changed, where it keeps no such register or value.
+    fn preset(&mut self, _register: u16, _value: u16) -> bool {
+        false
+    }
+
+    /// How often its lasting memory has been written to: one for every request that did, whatever it changed.
+    fn flash_writes(&self) -> u32 {
+        0
+    }
 }
 
 /// A device's answer.
@@ -48,6 +62,8 @@ pub(crate) struct Outgoing {
 pub(crate) struct Station<D> {
     pub(crate) device: D,
     heard: Vec<u8>,
+    /// The data bits of the last character.
+    heard_bits: DataBits,
     /// A character came that broke the device's settings: the frame is lost.
     broken: bool,
     heard_at: Instant,
@@ -55,7 +71,7 @@ pub(crate) struct Station<D> {
 
 impl<D: Device> Station<D> {
     pub(crate) fn new(device: D) -> Self {
-        Self { device, heard: Vec::new(), broken: false, heard_at: Instant::ZERO }
+        Self { device, heard: Vec::new(), heard_bits: DataBits::Eight, broken: false, heard_at: Instant::ZERO }
     }
 
     /// Hears one character that ended at `now` and was sent at `line`.
@@ -66,6 +82,7 @@ impl<D: Device> Station<D> {
         }
         let understood = understands(self.device.line(), self.device.mode(), line);
         self.heard_at = now;
+        self.heard_bits = line.data_bits;
         match self.device.mode() {
             Mode::Rtu => {
                 self.broken |= !understood;
@@ -125,7 +142,18 @@ impl<D: Device> Station<D> {
         };
         let reply = self.device.serve(now, unit, &pdu)?;
         let bytes = adu::encode(reply.mode, reply.unit, &reply.pdu)?;
-        Some(Outgoing { start: now + reply.after, line: reply.line, bytes })
+        let mut line = reply.line;
+        if reply.mode == Mode::Ascii {
+            // Seven and eight are taken alike, so the answer comes as the question did.
+            line.data_bits = self.heard_bits;
+        }
+        Some(Outgoing { start: now + reply.after, line, bytes })
+    }
+
+    /// Its supply was cut: what it has half heard is lost.
+    pub(crate) fn power_cycle(&mut self, now: Instant) {
+        self.forget();
+        self.device.power_cycle(now);
     }
 
     fn forget(&mut self) {

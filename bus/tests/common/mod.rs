@@ -3,6 +3,8 @@
 // Each test file uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod asked;
+
 use std::time::Duration;
 
 use buslens_bus::record::{Note, Origin, What};
@@ -62,6 +64,11 @@ impl<D: Device> Bench<D> {
 
     pub fn sensor(&mut self) -> &mut D {
         self.line.device_mut(0).unwrap()
+    }
+
+    /// Cuts the supply of the line for a moment.
+    pub fn power_cycle(&mut self) {
+        self.line.power_cycle(self.now);
     }
 
     /// Opens the port anew with other settings.

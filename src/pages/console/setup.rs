@@ -366,6 +366,15 @@ fn signals(app: &'static Workbench, setup: Setup) -> El {
                 console.order(ToLine::Break(milliseconds));
             }
         });
+    // Nobody can do this to a sensor of his own from here.
+    let simulated = Memo::new(move |_| console.line.with(|line| line.as_ref().is_some_and(|line| line.simulated)));
+    let power_cycle = move || {
+        button(app, "small", "line-power-cycle", Language::power_cycle)
+            .attr("id", "line-power-cycle")
+            .live_attr("title", move || Some(app.language.get().power_cycle_hint().to_owned()))
+            .flag("disabled", move || !console.is_open())
+            .click(move || console.order(ToLine::PowerCycle))
+    };
     let dtr = output("DTR", "line-dtr", |all| all.dtr, |on| ToLine::Signals { dtr: Some(on), rts: None });
     let rts = output("RTS", "line-rts", |all| all.rts, |on| ToLine::Signals { dtr: None, rts: Some(on) });
     el("div")
@@ -375,6 +384,7 @@ fn signals(app: &'static Workbench, setup: Setup) -> El {
         .children([dtr, rts])
         .children(inputs.map(lamp))
         .child(el("span").class("break").child(hold).child(duration).child(el("span").class("muted").text("ms")))
+        .child(el("span").class("contents").live_one(move || simulated.get().then(power_cycle)))
 }
 
 fn lamp_state(on: Option<bool>) -> Option<String> {

@@ -16,7 +16,7 @@ use crate::link;
 use crate::message::{PortId, Source, ToEngine};
 use crate::ports;
 use crate::serial;
-use crate::settings::{BAUDS, FREE, Settings, demonstration, parity_name};
+use crate::settings::{BAUDS, FREE, Settings, parity_name};
 use crate::text::Language;
 
 /// The card and the wiring beside it.
@@ -69,7 +69,7 @@ fn actions(app: &'static App) -> El {
         .live_class("primary", || serial::missing().is_some())
         .live_attr("title", move || Some(app.language.get().try_hint().to_owned()))
         .flag("disabled", move || is_opening(app))
-        .click(move || app.connect(demonstration(app.settings.device())));
+        .click(move || app.demonstrate());
     el("footer").child(connect).child(demo)
 }
 

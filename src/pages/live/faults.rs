@@ -97,6 +97,10 @@ pub(super) fn open(language: Language, open: &OpenFault, facts: &Facts) -> Fault
             &t.unsupported_what(port, &facts.settings),
             &[t.unsupported_standard(), t.unsupported_bits()],
         ),
+        OpenFault::NotLoaded => Fault {
+            remedy: Some(Remedy::ConnectAgain),
+            ..fault("not-loaded", t.not_loaded(), t.not_loaded_what(), &[t.not_loaded_network(), t.not_loaded_reload()])
+        },
         OpenFault::Other(words) => {
             fault("other", t.open_other(), &t.open_other_what(words), &[t.busy_close(), t.busy_replug()])
         }
