@@ -18,7 +18,8 @@ pub struct Device {
     pub reach: Reach,
     /// Reads of several points that it has refused: not tried again.
     pub refused: Vec<Group>,
-    /// The longest that it took from the end of a request to the end of its reply, in microseconds; 0 if it never answered.
+    /// The longest that it thought before it answered, with what its adapter held back, in microseconds; 0 if it never
+    /// answered.
     pub slowest_us: u32,
 }
 

@@ -26,12 +26,14 @@ struct Faulty {
     /// After a write to this register it is dead.
     dies: Option<u16>,
     dead: bool,
+    /// So many of the next writes never reach it.
+    deaf_to: u32,
 }
 
 impl Faulty {
     fn new() -> Self {
         let lvdt = Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 });
-        Self { lvdt, refuses: None, ignores: None, dies: None, dead: false }
+        Self { lvdt, refuses: None, ignores: None, dies: None, dead: false, deaf_to: 0 }
     }
 }
 
@@ -53,6 +55,10 @@ impl Sim for Faulty {
             [0x10, high, low, ..] => Some(u16::from_be_bytes([high, low])),
             _ => None,
         };
+        if matches!(pdu, [5 | 0x10, ..]) && self.deaf_to > 0 {
+            self.deaf_to -= 1;
+            return None;
+        }
         let mut copy = self.lvdt.clone();
         let reply = self.lvdt.serve(now, unit, pdu)?;
         if written.is_some() && written == self.ignores {
@@ -449,4 +455,30 @@ fn the_journal_is_kept_before_the_first_byte_of_each_step() {
     assert_eq!(states, [done, done, StepState::Sent, open, open]);
     assert_eq!(journal.candidates().len(), 5);
     assert!(journal.has_written());
+}
+
+#[test]
+fn a_write_that_never_arrives_is_made_once_more_but_a_command_is_not() {
+    for typed in FIVE {
+        let mut bench = faulty(|device| device.deaf_to = 1);
+        let report = bench.apply(&[*typed]);
+        assert_eq!((&report.ending, report.writes), (&Ending::Done, 2), "{typed:?}");
+        bench.assert_true(&report);
+        bench.assert_polls(&report);
+        let mut bench = faulty(|device| device.deaf_to = 9);
+        let report = bench.apply(&[*typed]);
+        assert!(matches!(report.ending, Ending::RolledBack(_)), "{typed:?}: {:?}", report.ending);
+        assert_eq!(report.writes, 2);
+        bench.assert_true(&report);
+        bench.assert_polls(&report);
+    }
+    let mut bench = faulty(|_| {});
+    assert_eq!(bench.apply(&[("sample_rate", "50")]).ending, Ending::Done);
+    bench.sensor().deaf_to = 1;
+    let report = bench.apply(&[("factory_reset", "reset and restart")]);
+    // It still holds what no sensor leaves the factory with.
+    let Ending::RolledBack(why) = &report.ending else { panic!("{:?}", report.ending) };
+    assert_eq!((&why.outcome, report.writes), (&StepOutcome::NotDone, 1));
+    bench.assert_true(&report);
+    bench.assert_polls(&report);
 }

@@ -55,7 +55,7 @@ fn ended(bench: &mut Bench, report: Option<Report>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
     #[test]
     fn no_device_is_ever_lost(

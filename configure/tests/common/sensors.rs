@@ -28,8 +28,8 @@ impl Simulated for Lvdt {
 }
 
 impl Simulated for Level {
-    fn cut_power(&mut self, _: Instant) {
-        self.power_cycle();
+    fn cut_power(&mut self, now: Instant) {
+        self.power_cycle(now);
     }
 }
 
