@@ -225,6 +225,7 @@ fn start(language: Language, beside: JsValue) {
         Handling::follow(state);
         follow_own_profiles(state, take_own);
         listen_at_profiles(state, || state.page.get_untracked() == Some(Page::Profiles));
+        state.follow_line();
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
