@@ -12,6 +12,7 @@ mod app;
 mod builder;
 mod clipboard;
 mod components;
+mod configure;
 mod console;
 mod crash;
 mod device;

@@ -17,6 +17,8 @@ pub(crate) enum Page {
     Builder,
     /// `#/console`, or `#/console?send=HEX` with bytes to be sent.
     Console,
+    /// `#/configure`.
+    Configure,
 }
 
 impl Page {
@@ -26,6 +28,7 @@ impl Page {
             "decoder" => Self::Decoder,
             "builder" => Self::Builder,
             "console" => Self::Console,
+            "configure" => Self::Configure,
             _ => Self::Live,
         }
     }
@@ -169,8 +172,9 @@ mod tests {
     }
 
     #[test]
-    fn the_builder_has_an_address() {
+    fn pages_have_addresses() {
         assert_eq!(Page::of("#/builder"), Page::Builder);
+        assert_eq!(Page::of("#/configure"), Page::Configure);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod anatomy;
 mod builder;
+mod configure;
 mod console;
 mod decoder;
 mod desk;
@@ -100,6 +101,7 @@ mod tests {
             diagnosis::ALL,
             desk::ALL,
             builder::ALL,
+            configure::ALL,
             console::ALL,
             sequence::ALL,
         ]

@@ -223,7 +223,7 @@ fn replace(text: &str, quoted: &str, name: &str) -> Result<String> {
 }
 
 /// Style sheets of what only the workbench draws.
-const WORKBENCH_STYLES: [&str; 6] = ["builder", "bytes", "console", "decoder", "list", "sequence"];
+const WORKBENCH_STYLES: [&str; 7] = ["builder", "bytes", "configure", "console", "decoder", "list", "sequence"];
 
 /// The style sheets of the first program and of the workbench: the design's tokens first, the others in the order of their
 /// names.
