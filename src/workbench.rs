@@ -11,6 +11,7 @@ use web_sys::{Element, MessageChannel, Worker};
 
 use crate::ambient::Ambient;
 use crate::analyst::Analyst;
+use crate::configuring::Configuring;
 use crate::crash;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
@@ -33,6 +34,8 @@ pub(crate) struct Workbench {
     pub(crate) to_send: RwSignal<String>,
     /// The Console page's state.
     pub(crate) console: Console,
+    /// What is done to devices.
+    pub(crate) configuring: Configuring,
     /// The Decoder page's state.
     pub(crate) decoder: Decoder,
     /// The last text whose checks the analyst has made, and what came of it.
@@ -61,9 +64,17 @@ impl Workbench {
             brought: route::follow_text(),
             to_send: route::follow_send(),
             console: Console::remembered(),
+            configuring: Configuring::new(),
             decoder: Decoder::remembered(),
             sums: RwSignal::new(None),
             size_turn: RwSignal::new(0),
+        }
+    }
+
+    /// Starts the console's worker and joins it to the engine, if that has not been done: from then on it knows the line.
+    pub(crate) fn start_console(&'static self) {
+        if self.console.start(&self.configuring) {
+            self.tell_device();
         }
     }
 
@@ -128,7 +139,7 @@ impl Running {
                 put(&self.page, beside);
                 state.page.set(page);
             }
-            ToWorkbench::Device(device) => state.console.connected(device),
+            ToWorkbench::Device(device) => state.device_connected(device),
             ToWorkbench::Exchange(exchange) => {
                 put(&self.exchange, beside);
                 state.exchange.set(exchange);

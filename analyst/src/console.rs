@@ -1,14 +1,16 @@
 //! The console: the log of a live line and all that is done to the line from it. It says what it wants of the engine and
 //! reads no clock; its program gives it a worker to live in.
 //!
-//! In: [`Console::hear`], [`Console::hear_line`], [`Console::handle_time`]. After any of them call [`Console::work`] until
-//! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_news`], [`Console::poll_progress`],
+//! In: [`Console::hear`], [`Console::hear_line`], [`Console::hear_store`], [`Console::handle_time`]. After any of them call [`Console::work`] until
+//! it has no more to do, and drain [`Console::poll_line`], [`Console::poll_store`], [`Console::poll_news`], [`Console::poll_progress`],
 //! [`Console::poll_statistics`] and [`Console::poll_timeout`]. Times are the worker's own but where an item says that they
 //! are the engine's.
 //!
 //! There are up to three lists: the log of the line, a text that was brought in, and what a replay has brought forth. One
 //! of them is in view; the line's log goes on whatever is in view.
 
+mod configuring;
+mod ledger;
 mod outbox;
 mod playback;
 mod running;
@@ -23,9 +25,12 @@ use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::profile::Profile;
 
+use crate::configure::{FromStore, Hindrance, ToConfigure, ToStore};
 use crate::desk::{Cursor, Desk};
 use crate::line::{End, FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, Statistics, ToConsole};
+use configuring::{Around, Configuring};
+use ledger::Ledger;
 use outbox::{News, Outbox};
 use playback::Playback;
 use running::{Running, Wish};
@@ -64,6 +69,10 @@ pub struct Console {
     line: Option<LineState>,
     sends: Sends,
     running: Option<Running>,
+    configuring: Configuring,
+    ledger: Ledger,
+    /// What the worker's clock lags behind the time of day, in microseconds.
+    epoch_us: u64,
     /// Notes that have come and are in no list yet, and whether they are a replay's.
     backlog: VecDeque<(bool, std::vec::IntoIter<Note>)>,
     silence: Option<Silence>,
@@ -111,6 +120,9 @@ impl Console {
             line: None,
             sends: Sends::default(),
             running: None,
+            configuring: Configuring::default(),
+            ledger: Ledger::default(),
+            epoch_us: 0,
             backlog: VecDeque::new(),
             silence: None,
             knows_clock: false,
@@ -125,6 +137,7 @@ impl Console {
         match message {
             ToConsole::Attach => {
                 self.knows_clock = false;
+                self.out.store(ToStore::Watch);
                 self.go_live();
             }
             ToConsole::Live => self.go_live(),
@@ -145,13 +158,20 @@ impl Console {
             }
             // Nobody would ever answer.
             ToConsole::Send(sending) if self.line.is_none() => sends::refuse(&sending, End::NoPort, &mut self.out),
+            ToConsole::Send(sending) if self.configuring.is_busy() => sends::refuse(&sending, End::Busy, &mut self.out),
             ToConsole::Send(sending) => self.sends.begin(now, sending, &mut self.out),
             ToConsole::StopSending => self.sends.stop(&mut self.out),
-            ToConsole::Line(order) => self.out.order(order),
+            ToConsole::Line(order) => self.hand_on(order),
+            ToConsole::Replay { .. } if self.configuring.is_busy() => {
+                self.out.tell(FromConsole::Replay(Replay::default()));
+            }
             ToConsole::Replay { speed_permille, profile } => self.replay(now, speed_permille, &profile),
             ToConsole::StopReplay => self.end_playback(),
             ToConsole::Check { edition, text, profile } => {
                 running::check(&Wish { edition, text, profile }, &mut self.out);
+            }
+            ToConsole::Run { edition, .. } if self.configuring.is_busy() => {
+                self.out.tell(FromConsole::NotRun { edition });
             }
             ToConsole::Run { edition, text, profile, unit } => {
                 self.stop_running(now);
@@ -160,17 +180,28 @@ impl Console {
                 self.drain_running(now);
             }
             ToConsole::Stop => self.stop_running(now),
+            ToConsole::Configure(wish) => self.hear_configure(now, wish),
         }
         self.news.change();
     }
 
     /// Takes what the engine says at this time of the worker, `unix_us` microseconds after the beginning of 1970.
     pub fn hear_line(&mut self, now: Instant, unix_us: u64, message: FromLine) {
+        self.epoch_us = unix_us.saturating_sub(now.as_micros());
         match message {
             FromLine::Clock(at_us) => self.hear_clock(at_us, unix_us),
             FromLine::Notes(notes) => self.hear_notes(now, notes),
             FromLine::Done { id, outcome } => self.hear_end(now, id, &outcome),
             FromLine::State(state) => self.hear_state(now, state),
+        }
+    }
+
+    /// Takes what has come of [`Self::poll_store`].
+    pub fn hear_store(&mut self, now: Instant, answer: FromStore) {
+        if let Some(answer) = self.ledger.hear_store(answer, &mut self.out) {
+            let (configuring, around) = self.around(now);
+            configuring.hear_store(now, answer, around);
+            self.drain_configuring(now);
         }
     }
 
@@ -182,6 +213,8 @@ impl Console {
             running.handle_time(now);
         }
         self.drain_running(now);
+        self.configuring.handle_time(now);
+        self.drain_configuring(now);
         if self.quiet_at().is_some_and(|due| due <= now) {
             self.settle(now);
         }
@@ -205,7 +238,14 @@ impl Console {
 
     /// What the engine is to do next.
     pub fn poll_line(&mut self) -> Option<ToLine> {
-        self.out.line.pop_front()
+        let order = self.out.line.pop_front()?;
+        self.ledger.note_order(&order, self.line.as_ref());
+        Some(order)
+    }
+
+    /// What is to be kept where it outlives the page next, in this order.
+    pub fn poll_store(&mut self) -> Option<ToStore> {
+        self.out.store.pop_front()
     }
 
     /// What the window is to know next.
@@ -227,10 +267,18 @@ impl Console {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let playback = self.playback.as_ref().and_then(Playback::due);
         let running = self.running.as_ref().and_then(Running::due);
-        [self.sends.due(), running, playback, self.quiet_at(), self.news.due(), self.counts.due()]
-            .into_iter()
-            .flatten()
-            .min()
+        [
+            self.sends.due(),
+            running,
+            self.configuring.due(),
+            playback,
+            self.quiet_at(),
+            self.news.due(),
+            self.counts.due(),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
     }
 
     /// The list in view.
@@ -318,6 +366,10 @@ impl Console {
 
     fn hear_end(&mut self, now: Instant, id: u32, outcome: &Outcome) {
         let mode = self.line.as_ref().map_or(Mode::Rtu, |line| line.mode);
+        self.ledger.done(self.unix_ms(now), id, outcome, &mut self.out);
+        if self.configuring.done(now, id, outcome) {
+            return self.drain_configuring(now);
+        }
         if !self.sends.done(now, id, outcome, mode, &mut self.out)
             && let Some(running) = &mut self.running
             && running.done(now, id, outcome)
@@ -339,10 +391,60 @@ impl Console {
         if let Some(running) = &mut self.running {
             running.hear_state(now, &state);
         }
+        self.configuring.hear_state(now, &state);
         self.line = Some(state.clone());
         self.out.tell(FromConsole::Line(state));
         self.drain_running(now);
+        self.drain_configuring(now);
         self.play(now);
+    }
+
+    /// An order to the engine; while a device is configured, none that would cross it.
+    fn hand_on(&mut self, order: ToLine) {
+        let crosses = !matches!(order, ToLine::Clock | ToLine::ReadOnly(_));
+        match &self.line {
+            // It is told again, so that whoever has switched something sees that it was not.
+            Some(state) if crosses && self.configuring.is_busy() => self.out.tell(FromConsole::Line(state.clone())),
+            _ => self.out.order(order),
+        }
+    }
+
+    fn hear_configure(&mut self, now: Instant, wish: ToConfigure) {
+        let Some(wish) = self.ledger.hear(wish, &mut self.out) else { return };
+        let hindrance = if self.running.is_some() {
+            Some(Hindrance::Sequence)
+        } else {
+            self.sends.repeats().then_some(Hindrance::Sending)
+        };
+        let (configuring, around) = self.around(now);
+        match wish {
+            ToConfigure::Begin { run, task, profile, reach } => {
+                configuring.begin(now, configuring::Wish { run, task, profile, reach }, hindrance, around);
+            }
+            ToConfigure::Recover { run, journal, way } => {
+                configuring.recover((run, journal, way), hindrance, around.state, around.out);
+            }
+            ToConfigure::Cancel => configuring.cancel(now, around.out),
+            ToConfigure::Discard(journal) => around.out.store(ToStore::Forget(journal)),
+            _ => {}
+        }
+        self.drain_configuring(now);
+    }
+
+    /// What is done to devices, and what is around it.
+    fn around(&mut self, now: Instant) -> (&mut Configuring, Around<'_>) {
+        let unix_ms = self.unix_ms(now);
+        let Self { configuring, ledger, out, line, .. } = self;
+        (configuring, Around { state: line.as_ref(), unix_ms, ledger, out })
+    }
+
+    /// The time of day, in milliseconds since the Unix epoch.
+    fn unix_ms(&self, now: Instant) -> u64 {
+        self.epoch_us.saturating_add(now.as_micros()) / 1000
+    }
+
+    fn drain_configuring(&mut self, now: Instant) {
+        self.configuring.drain(now, &mut self.ledger, &mut self.out);
     }
 
     fn go_live(&mut self) {

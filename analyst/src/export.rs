@@ -2,7 +2,7 @@
 
 mod pcap;
 mod session;
-mod text;
+pub(crate) mod text;
 
 use std::fmt::Write as _;
 
@@ -213,11 +213,11 @@ impl Sheet<'_> {
     }
 }
 
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     ["\"", &text.replace('"', "\"\""), "\""].concat()
 }
 
-fn hex(bytes: &[u8], separator: Option<char>, out: &mut String) {
+pub(crate) fn hex(bytes: &[u8], separator: Option<char>, out: &mut String) {
     let digits = b"0123456789ABCDEF";
     for (at, byte) in bytes.iter().enumerate() {
         out.extend(separator.filter(|_| at > 0));

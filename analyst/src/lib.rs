@@ -3,6 +3,8 @@
 //! [`Desk`] does the work and knows no browser; the program of this package gives it a worker to work in. [`message`] is
 //! all that crosses between worker and window. Nothing here makes sentences: that is the page's part, in two languages.
 
+mod audit;
+pub mod configure;
 mod console;
 mod desk;
 mod diary;

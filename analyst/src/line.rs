@@ -37,6 +37,8 @@ pub enum ToLine {
     },
     /// Poll the device, or leave the line to others.
     Poll(bool),
+    /// Whom the polling asks from now on: this unit id.
+    Unit(u8),
     /// Let only reads out of the port, or everything.
     ReadOnly(bool),
     /// Set outputs of the port; `None` leaves one as it is.
@@ -87,6 +89,8 @@ pub enum FromLine {
 pub struct LineState {
     /// Whether bytes can be sent now.
     pub open: bool,
+    /// The port.
+    pub port: PortState,
     /// A replay is on: nothing can be sent.
     pub replay: bool,
     /// Whether the bytes go to the simulator.
@@ -103,6 +107,19 @@ pub struct LineState {
     pub read_only: bool,
     /// Outputs and inputs of the port, as far as it has them.
     pub signals: Signals,
+}
+
+/// How a port is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PortState {
+    /// Open, with the settings that are told.
+    Open,
+    /// Being opened with them.
+    Changing,
+    /// It could not be opened with them. Others may do: [`ToLine::Settings`] tries.
+    Refused,
+    /// There is none: closed by its user, unplugged, or a recording is played.
+    Gone,
 }
 
 /// Outputs and inputs of a port; `None` where the port does not say.

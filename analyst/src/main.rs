@@ -3,9 +3,10 @@
 
 mod scope;
 mod source;
+mod store;
 
 use std::cell::{Cell, RefCell};
-use std::rc::Rc;
+use std::rc::{Rc, Weak};
 
 use buslens_analyst::Console;
 use buslens_analyst::line::FromLine;
@@ -16,6 +17,7 @@ use wasm_bindgen_futures::spawn_local;
 
 use scope::{Line, Timer, milliseconds, now, post, post_with, turn};
 use source::Source;
+use store::Store;
 
 /// Entries that are counted or sifted before the clock is looked at.
 const ENTRIES: usize = 1024;
@@ -26,7 +28,16 @@ const NEWS_PERIOD: f64 = 60.0;
 
 fn main() {
     std::panic::set_hook(Box::new(|info| post(&FromAnalyst::Panicked(info.to_string()))));
-    let analyst = Rc::new(Analyst {
+    let analyst = Rc::new_cyclic(|weak: &Weak<Analyst>| Analyst {
+        store: Store::new({
+            let analyst = Weak::clone(weak);
+            move |answer| {
+                if let Some(analyst) = analyst.upgrade() {
+                    analyst.console.borrow_mut().hear_store(now(), answer);
+                    analyst.drain();
+                }
+            }
+        }),
         console: RefCell::default(),
         line: RefCell::new(None),
         timer: Timer::new(),
@@ -47,6 +58,7 @@ fn main() {
 struct Analyst {
     console: RefCell<Console>,
     line: RefCell<Option<Line>>,
+    store: Rc<Store>,
     timer: Timer,
     /// The reading that is wanted; an older one stops by itself.
     reading: Cell<u32>,
@@ -150,6 +162,9 @@ impl Analyst {
             if let Some(line) = &*self.line.borrow() {
                 line.post(&order);
             }
+        }
+        while let Some(order) = console.poll_store() {
+            self.store.order(order);
         }
         while let Some(news) = console.poll_news() {
             post(&FromAnalyst::Console(news));

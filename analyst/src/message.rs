@@ -9,6 +9,7 @@ use buslens_codec::line::Mode;
 use buslens_sequence::{Caution, Changes, Fault};
 use serde::{Deserialize, Serialize};
 
+use crate::configure::{FromConfigure, ToConfigure};
 use crate::line::{LineState, Outcome, ToLine};
 
 /// Window to analyst.
@@ -112,6 +113,8 @@ pub enum ToConsole {
     StopReplay,
     /// Back to the live line's log, which went on meanwhile.
     Live,
+    /// About reading, writing and finding devices. While that is under way, neither sequences nor hands send anything.
+    Configure(ToConfigure),
 }
 
 /// What is to be sent.
@@ -258,6 +261,13 @@ pub enum FromConsole {
         /// To be put into the report with `Report::apply`.
         changes: Changes,
     },
+    /// A sequence was not run: a device on the line is being configured.
+    NotRun {
+        /// As it was asked.
+        edition: u32,
+    },
+    /// About reading, writing and finding devices.
+    Configure(FromConfigure),
 }
 
 /// How a replay stands.

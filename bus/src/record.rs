@@ -65,4 +65,6 @@ pub enum End {
     NoPort,
     /// Not sent: it was withdrawn.
     Withdrawn,
+    /// Not sent: a device on the line is being configured.
+    Busy,
 }

@@ -1,5 +1,6 @@
 //! The steps that bring a device from what it holds to what is wanted, before anything is sent.
 
+use buslens_codec::UnitId;
 use buslens_codec::profile::{Danger, Effect, Known, Point, Profile, Role};
 use buslens_codec::value::Encoding;
 use serde::{Deserialize, Serialize};
@@ -278,7 +279,7 @@ fn hazard_of(profile: &Profile, point: &Point, registers: &[u16], known: &Known)
         return Some(Hazard::Grave { point: id(), registers: registers.to_vec() });
     }
     let after = profile.link_after(point, value, Reach::of_factory(profile).link())?;
-    if point.effects.contains(&Effect::Unit) && after.unit.is_some_and(|unit| unit.is_reserved()) {
+    if point.effects.contains(&Effect::Unit) && after.unit.is_some_and(UnitId::is_reserved) {
         return after.unit.map(|unit| Hazard::ReservedUnit { unit: unit.0 });
     }
     let slow = point.effects.contains(&Effect::Baud) && after.line.baud < SLOW_BAUD;

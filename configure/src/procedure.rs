@@ -11,8 +11,11 @@
 //! Dropping a procedure stops it where it is: nothing more is sent. If it had begun to write, its journal is kept, and
 //! [`Task::Recover`] goes on from there.
 
+mod applying;
 mod desk;
+mod finding;
 mod reading;
+mod transaction;
 
 use std::fmt;
 use std::future::Future;
@@ -26,7 +29,7 @@ use buslens_codec::UnitId;
 use buslens_codec::line::{LineSettings, Mode};
 use serde::{Deserialize, Serialize};
 
-use crate::{AuditEntry, Device, Edit, Ending, Hazard, Journal, Progress, Reach, Report, Snapshot};
+use crate::{AuditEntry, Device, Edit, Hazard, Journal, Progress, Reach, Report, Snapshot};
 use desk::Desk;
 
 /// What a procedure shall do.
@@ -207,7 +210,8 @@ impl Procedure {
         self.go_on(now);
     }
 
-    /// It shall stop. What was written is undone first: it has ended when [`Procedure::report`] is there.
+    /// It shall stop. What was written is undone first: it has ended when [`Procedure::report`] is there. A second time
+    /// stops the undoing, too; then the journal stays open.
     pub fn cancel(&mut self, now: Instant) {
         self.desk.cancel();
         self.go_on(now);
@@ -249,7 +253,8 @@ impl fmt::Debug for Procedure {
 async fn carry_out(desk: Rc<Desk>, task: Task) -> Report {
     match task {
         Task::Read => reading::read_all(&desk).await,
-        // Nothing is written, and nothing is claimed.
-        Task::Apply { .. } | Task::Find { .. } | Task::Recover { .. } => desk.report(Ending::Interrupted, None, None),
+        Task::Apply { before, edits, confirmed } => applying::apply(&desk, before, &edits, confirmed).await,
+        Task::Find { scope } => finding::find(&desk, &scope).await,
+        Task::Recover { journal, way } => applying::recover(&desk, journal, way).await,
     }
 }

@@ -5,7 +5,7 @@ use buslens_codec::line::Mode;
 use buslens_codec::pdu::{Request, Response, unpack_bits};
 use buslens_codec::profile::{Group, Point, Profile};
 use buslens_codec::value::Encoding;
-use buslens_codec::{UnitId, adu, ascii, rtu};
+use buslens_codec::{adu, ascii, rtu};
 
 use crate::{Reach, Read};
 
@@ -50,7 +50,7 @@ pub(crate) fn blocks(profile: &Profile, points: &[&Point], refused: &[Group]) ->
     while let Some(first) = open.first() {
         let covers = |group: &Group| open.iter().filter(|point| group.offset_of(point).is_some()).count();
         let of_profile = profile.groups.iter().filter(|group| group.offset_of(first).is_some());
-        let known = of_profile.copied().chain(side_by_side(&open)).filter(|group| !is_refused(group, refused));
+        let known = of_profile.copied().chain(side_by_side(&open)).filter(|group| !is_refused(*group, refused));
         // Of groups that bring as much the shortest.
         let best = known.max_by_key(|group| (covers(group), u16::MAX - group.quantity));
         let Some(block) = best.filter(|block| covers(block) > 1).or_else(|| single(first)) else { break };
@@ -60,11 +60,13 @@ pub(crate) fn blocks(profile: &Profile, points: &[&Point], refused: &[Group]) ->
     all
 }
 
-/// Whether a device refuses a read, of which it may have been told in other words.
-fn is_refused(group: &Group, refused: &[Group]) -> bool {
-    refused
-        .iter()
-        .any(|known| (known.function, known.address, known.quantity) == (group.function, group.address, group.quantity))
+/// Whether a device refuses a read. Where nobody promises anything, what lies within a refused one is not tried either.
+fn is_refused(group: Group, refused: &[Group]) -> bool {
+    let end = |group: Group| u32::from(group.address) + u32::from(group.quantity);
+    refused.iter().copied().filter(|known| known.function == group.function).any(|known| {
+        let same = (known.address, known.quantity) == (group.address, group.quantity);
+        same || group.tentative && known.address <= group.address && end(group) <= end(known)
+    })
 }
 
 /// The first point and all that follow it without a gap.
@@ -82,8 +84,8 @@ fn side_by_side(points: &[&Point]) -> Option<Group> {
 }
 
 /// The request of a read.
-pub(crate) fn read_request(group: &Group) -> Option<Request> {
-    let Group { function, address, quantity, .. } = *group;
+pub(crate) fn read_request(group: Group) -> Option<Request> {
+    let Group { function, address, quantity, .. } = group;
     match function {
         1 => Some(Request::ReadCoils { address, quantity }),
         2 => Some(Request::ReadDiscreteInputs { address, quantity }),
@@ -154,16 +156,8 @@ pub(crate) fn answer(mode: Mode, request: &Request, outcome: &Outcome) -> Answer
     }
 }
 
-/// The unit id that a frame comes from.
-pub(crate) fn unit_of(mode: Mode, frame: &[u8]) -> Option<UnitId> {
-    match mode {
-        Mode::Rtu => rtu::decode(frame).ok().map(|adu| adu.unit),
-        Mode::Ascii => ascii::decode(frame).ok().map(|adu| adu.unit),
-    }
-}
-
 /// A point's own among what a read has brought.
-pub(crate) fn part_of(group: &Group, point: &Point, registers: &[u16]) -> Option<Vec<u16>> {
+pub(crate) fn part_of(group: Group, point: &Point, registers: &[u16]) -> Option<Vec<u16>> {
     let offset = group.offset_of(point)?;
     registers.get(offset..)?.get(..point.encoding.registers()).map(<[u16]>::to_vec)
 }

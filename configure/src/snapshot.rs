@@ -125,13 +125,12 @@ impl Snapshot {
     /// Puts in what was read of a point, at its place in the profile.
     pub(crate) fn put(&mut self, profile: &Profile, point: &str, read: Read) {
         let place = |id: &str| profile.points.iter().position(|point| point.id == id);
-        match self.data.iter_mut().find(|datum| datum.point == point) {
-            Some(datum) => datum.read = read,
-            None => {
-                let at = self.data.partition_point(|datum| place(&datum.point) < place(point));
-                self.data.insert(at, Datum { point: point.to_owned(), read });
-            }
+        if let Some(datum) = self.data.iter_mut().find(|datum| datum.point == point) {
+            datum.read = read;
+            return;
         }
+        let at = self.data.partition_point(|datum| place(&datum.point) < place(point));
+        self.data.insert(at, Datum { point: point.to_owned(), read });
     }
 }
 

@@ -186,7 +186,7 @@ impl Run {
         match outcome.end {
             End::NoPort => return self.end(now, Ended::PortLost),
             End::ReadOnly => self.step_over(now, entry, Some(Reason::ReadOnly), true),
-            End::Withdrawn => self.step_over(now, entry, Some(Reason::Withdrawn), true),
+            End::Withdrawn | End::Busy => self.step_over(now, entry, Some(Reason::Withdrawn), true),
             _ => self.heard(now, heard),
         }
         self.go_on(now);

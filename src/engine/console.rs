@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use buslens_analyst::line::{FromLine, LineState, Signals};
+use buslens_analyst::line::{FromLine, LineState, PortState, Signals};
 use buslens_bus::record::{End, Outcome, What};
 use buslens_bus::time::Instant;
 use buslens_codec::line::{LineSettings, Mode, Parity};
@@ -29,6 +29,7 @@ impl Console {
             recorder: Recorder::default(),
             line: LineState {
                 open: false,
+                port: PortState::Gone,
                 replay: false,
                 simulated: false,
                 line: LineSettings::new(9600, Parity::None),

@@ -4,7 +4,7 @@
 use std::rc::Rc;
 use std::time::Duration;
 
-use buslens_analyst::line::{Signals, ToLine};
+use buslens_analyst::line::{PortState, Signals, ToLine};
 use buslens_bus::record::{self, End, Note, Origin, Outcome, What};
 use buslens_bus::time::Instant;
 use buslens_bus::{Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
@@ -151,6 +151,7 @@ impl Session {
             self.note_closed(console, What::Port(record::Event::Closed));
         }
         console.line.open = false;
+        console.line.port = PortState::Gone;
         console.line.replay = false;
     }
 
@@ -223,11 +224,21 @@ impl Session {
                 console.line.buffer_bytes = buffer_bytes.clamp(*BUFFER_BYTES.start(), *BUFFER_BYTES.end());
                 (self.connection.line, self.connection.mode) = (line, mode);
                 self.master.reconfigure(now, line, mode);
+                // A port that has refused the settings before may take these.
+                if self.open_fault.take().is_some() && self.master.link_state() == LinkState::Closed {
+                    self.master.connect(now);
+                }
             }
             ToLine::Poll(wanted) if !self.is_replay() && wanted != self.polling => {
                 self.poll(wanted);
                 if self.master.link_state() == LinkState::Open {
                     self.progress.link_changed(now, Link::Open);
+                }
+            }
+            ToLine::Unit(unit) if !self.is_replay() => {
+                self.connection.unit = UnitId(unit);
+                if self.polling {
+                    self.poll(true);
                 }
             }
             ToLine::ReadOnly(read_only) => self.master.set_read_only(read_only),
@@ -317,6 +328,7 @@ impl Session {
         // With other settings it is open only when it has them.
         let in_force = self.master.link_state() == LinkState::Open && !self.master.is_reconfiguring();
         line.open = !line.replay && in_force;
+        line.port = self.port_state(in_force);
         line.simulated = self.connection.source == Source::Simulator;
         (line.line, line.mode) = (self.connection.line, self.connection.mode);
         line.polling = self.polling && !line.replay;
@@ -398,6 +410,18 @@ impl Session {
     fn note_closed(&mut self, console: &mut Console, what: What) {
         if std::mem::take(&mut self.opened) {
             console.note(now(), what);
+        }
+    }
+
+    fn port_state(&self, in_force: bool) -> PortState {
+        match (self.master.link_state(), &self.open_fault) {
+            _ if self.is_replay() => PortState::Gone,
+            (LinkState::Open, _) if in_force => PortState::Open,
+            (LinkState::Open | LinkState::Opening, _) => PortState::Changing,
+            (LinkState::Closed, Some(OpenFault::Busy | OpenFault::UnsupportedSettings | OpenFault::Other(_))) => {
+                PortState::Refused
+            }
+            (LinkState::Closed | LinkState::Closing | LinkState::Lost, _) => PortState::Gone,
         }
     }
 

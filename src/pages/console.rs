@@ -24,8 +24,8 @@ pub(crate) use state::Console;
 
 /// The page.
 pub(crate) fn console_page(app: &'static Workbench) -> El {
+    app.start_console();
     let console = &app.console;
-    console.start();
     dom::react(move || {
         let digits = app.to_send.get();
         if !digits.is_empty() {

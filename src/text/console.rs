@@ -128,6 +128,7 @@ texts! {
     end_doubtful => "this reply may belong to an earlier request" | "此应答可能属于更早的请求";
     end_read_only => "not sent: it writes, and only reads are let out. Switch “Read only” off to send it." | "未发送：该内容属于写操作，而当前只允许读。关闭“只读”后才能发送。";
     end_no_port => "not sent: the port is closed" | "未发送：串口未打开";
+    end_busy => "not sent: a device on the line is being configured. Send it when that has ended." | "未发送：正在配置线路上的设备。请在配置结束后再发送。";
     end_withdrawn => "not sent: it was withdrawn" | "未发送：已撤回";
     entry_fault(column: usize, what: &str) => "Character {column}: {what}" | "第 {column} 个字符：{what}";
     digit_missing => "a digit is missing: every byte has two" | "缺少一位数字：每个字节由两位组成";

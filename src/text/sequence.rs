@@ -18,6 +18,7 @@ texts! {
     seq_name => "Name of the sequence" | "序列名称";
     seq_deleted(name: &str) => "“{name}” is deleted." | "“{name}”已删除。";
     seq_too_long => "This file is longer than a sequence may be. Nothing was taken from it." | "该文件超过序列允许的长度，未导入任何内容。";
+    seq_busy => "It was not run: a device on the line is being configured. Run it when that has ended." | "未运行：正在配置线路上的设备。请在配置结束后再运行。";
     seq_no_text => "This file is no text. Nothing was taken from it." | "该文件不是文本，未导入任何内容。";
     seq_editor => "Text of the sequence, one step a line" | "序列文本，每行一步";
     seq_fixed => "Ready-made sequences stay as they are. Duplicate this one to change it." | "内置序列不能修改，复制一份后即可编辑。";

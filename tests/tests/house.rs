@@ -69,6 +69,8 @@ fn dependencies_point_from_app_to_bus_to_codec() {
     assert_eq!(ours("buslens-bus"), ["buslens-bus", "buslens-codec"].map(String::from).into());
     let sequence = ["buslens-bus", "buslens-codec", "buslens-sequence"];
     assert_eq!(ours("buslens-sequence"), sequence.map(String::from).into());
+    let configure = ["buslens-bus", "buslens-codec", "buslens-configure"];
+    assert_eq!(ours("buslens-configure"), configure.map(String::from).into());
     let analyst = ["buslens-analyst", "buslens-bus", "buslens-codec", "buslens-sequence"];
     assert_eq!(ours("buslens-analyst"), analyst.map(String::from).into());
     let all = ["buslens", "buslens-analyst", "buslens-bus", "buslens-codec", "buslens-sequence"];
@@ -78,7 +80,7 @@ fn dependencies_point_from_app_to_bus_to_codec() {
 #[test]
 fn codec_and_bus_know_no_browser() {
     let metadata = metadata();
-    for package in ["buslens-codec", "buslens-bus", "buslens-sequence"] {
+    for package in ["buslens-codec", "buslens-bus", "buslens-sequence", "buslens-configure"] {
         let all = built_with(&metadata, package);
         for browser in ["wasm-bindgen", "js-sys", "web-sys", "leptos"] {
             assert!(!all.contains(browser), "{package} is built with {browser}");
@@ -90,7 +92,7 @@ fn codec_and_bus_know_no_browser() {
 
 #[test]
 fn nothing_below_the_app_reads_a_clock_or_sets_a_timer() {
-    for (name, text) in sources(&["codec/", "bus/", "sequence/"]) {
+    for (name, text) in sources(&["codec/", "bus/", "sequence/", "configure/"]) {
         for clock in ["std::time::Instant", "SystemTime", "Instant::now", "thread::sleep", "std::thread"] {
             assert!(!text.contains(clock), "{name}: {clock}");
         }
@@ -115,7 +117,7 @@ fn nothing_matches_on_a_devices_name() {
     let ids: Vec<String> = ids.collect();
     assert!(!ids.is_empty());
     let simulated = "bus/src/sim/sensor.rs";
-    let all = sources(&["src/", "bus/src/", "codec/src/", "sequence/src/"]);
+    let all = sources(&["src/", "bus/src/", "codec/src/", "sequence/src/", "configure/src/"]);
     assert!(all.iter().any(|(name, _)| name == simulated));
     for (name, text) in all.into_iter().filter(|(name, _)| name != simulated) {
         let code = text.split("#[cfg(test)]").next().unwrap();
@@ -163,6 +165,7 @@ fn every_package_takes_the_lints_of_the_workspace() {
         "codec/Cargo.toml",
         "bus/Cargo.toml",
         "sequence/Cargo.toml",
+        "configure/Cargo.toml",
         "analyst/Cargo.toml",
         "bench/Cargo.toml",
         "xtask/Cargo.toml",

@@ -5,14 +5,16 @@ use std::time::Duration;
 
 use buslens_bus::time::Instant;
 
+use crate::configure::ToStore;
 use crate::line::ToLine;
 use crate::message::FromConsole;
 
-/// Messages to both sides, and the numbers under which the engine knows what it is to send.
+/// Messages to all sides, and the numbers under which the engine knows what it is to send.
 #[derive(Debug, Default)]
 pub(super) struct Outbox {
     pub(super) line: VecDeque<ToLine>,
     pub(super) window: VecDeque<FromConsole>,
+    pub(super) store: VecDeque<ToStore>,
     last_number: u32,
 }
 
@@ -25,6 +27,10 @@ impl Outbox {
 
     pub(super) fn order(&mut self, order: ToLine) {
         self.line.push_back(order);
+    }
+
+    pub(super) fn store(&mut self, order: ToStore) {
+        self.store.push_back(order);
     }
 
     pub(super) fn tell(&mut self, news: FromConsole) {

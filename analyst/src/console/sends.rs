@@ -85,6 +85,11 @@ impl Sends {
         self.under_way.retain(|round| round.asked.is_some());
     }
 
+    /// Whether something is sent again and again.
+    pub(super) fn repeats(&self) -> bool {
+        self.under_way.iter().any(|round| round.sending.repeat.is_some())
+    }
+
     /// Whether this number is of something here; then its end is taken note of.
     pub(super) fn done(&mut self, now: Instant, id: u32, outcome: &Outcome, mode: Mode, out: &mut Outbox) -> bool {
         let Some(place) = self.under_way.iter().position(|round| round.asked == Some(id)) else { return false };
@@ -132,7 +137,7 @@ impl Round {
     /// An exchange has ended. Whether there will be another one.
     fn done(&mut self, now: Instant, outcome: &Outcome, mode: Mode, out: &mut Outbox) -> bool {
         self.asked = None;
-        let was_sent = !matches!(outcome.end, End::Withdrawn | End::ReadOnly | End::NoPort);
+        let was_sent = !matches!(outcome.end, End::Withdrawn | End::Busy | End::ReadOnly | End::NoPort);
         self.times += u32::from(was_sent);
         let goes_on = was_sent && !self.stopped && self.goes_on(outcome, mode);
         self.last = Some(outcome.clone());

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::Console;
 use super::playback::Playback;
-use crate::line::{End, FromLine, LineState, Outcome, Signals, ToLine};
+use crate::line::{End, FromLine, LineState, Outcome, PortState, Signals, ToLine};
 use crate::message::{FromConsole, ProfileChoice, Repeat, Sending, ToConsole, Until};
 
 mod sequences;
@@ -25,6 +25,7 @@ fn ms(milliseconds: u64) -> Instant {
 fn state(replay: bool) -> LineState {
     LineState {
         open: true,
+        port: PortState::Open,
         replay,
         simulated: false,
         line: LINE,

@@ -114,7 +114,7 @@ fn write_seconds(out: &mut String, us: u64) {
 }
 
 /// A moment since 1970 as ISO 8601 has it, in UTC.
-fn write_moment(out: &mut String, us: u64) {
+pub(crate) fn write_moment(out: &mut String, us: u64) {
     let (days, us) = (us / DAY_US, us % DAY_US);
     let (year, month, day) = date(days);
     let seconds = us / 1_000_000;

@@ -10,11 +10,11 @@ use std::time::Duration;
 use buslens_bus::record::{End, Outcome};
 use buslens_bus::time::Instant;
 use buslens_codec::pdu::Request;
-use buslens_codec::profile::Profile;
+use buslens_codec::profile::{Point, Profile};
 
 use super::{Line, Order, Port};
 use crate::request::{Answer, answer, frame};
-use crate::{Device, Ending, Exchange, Phase, Progress, Reach, Report, Snapshot};
+use crate::{AuditEntry, Device, Ending, Exchange, Journal, Phase, Progress, Reach, Report, Snapshot};
 
 /// How long a port may take to come back with other settings.
 const REOPENING: Duration = Duration::from_secs(5);
@@ -22,6 +22,12 @@ const REOPENING: Duration = Duration::from_secs(5);
 const FORGOTTEN: Duration = Duration::from_secs(30);
 /// A journal that was not kept by then is not kept.
 const KEEPING: Duration = Duration::from_secs(10);
+/// USB adapters hold bytes back: a latency timer of 16 ms is common, and the system adds its own.
+const USB_SLACK: Duration = Duration::from_millis(50);
+/// A device that writes to its memory before it answers takes longer than for a read.
+const SHORTEST_WRITE: Duration = Duration::from_millis(200);
+/// The longest reply that is waited for in a search, in characters: an ASCII frame with eight registers.
+const REPLY_CHARACTERS: usize = 47;
 
 /// Why a procedure cannot go on as it would.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +54,17 @@ struct State {
     device: Device,
     line: Line,
     original: Line,
-    original_reach: Reach,
+    /// The polling was stopped by this procedure.
+    stopped_polling: bool,
     orders: VecDeque<Order>,
     next_id: u32,
     outcome: Option<(u32, Outcome)>,
     kept: Option<(u64, bool)>,
     until: Option<Instant>,
-    cancelled: bool,
-    /// A cancellation is not looked at any more: what was written is being undone.
-    cleaning: bool,
+    /// How often it was cancelled, and how often it must be so that it is looked at: once at first, once more while what
+    /// was written is being undone, and no more while the port is set as it stays.
+    cancelled: u32,
+    cancelled_by: u32,
     wrote_at: Option<Instant>,
     writes: u32,
     exchanges: Vec<Exchange>,
@@ -72,15 +80,15 @@ impl Desk {
             began_unix_ms: unix_ms,
             line,
             original: line,
-            original_reach: device.reach,
+            stopped_polling: false,
             device,
             orders: VecDeque::new(),
             next_id: 0,
             outcome: None,
             kept: None,
             until: None,
-            cancelled: false,
-            cleaning: false,
+            cancelled: 0,
+            cancelled_by: 1,
             wrote_at: None,
             writes: 0,
             exchanges: Vec::new(),
@@ -109,7 +117,7 @@ impl Desk {
     }
 
     pub(super) fn cancel(&self) {
-        self.0.borrow_mut().cancelled = true;
+        self.0.borrow_mut().cancelled += 1;
     }
 
     // What to do about it.
@@ -160,6 +168,31 @@ impl Desk {
         self.0.borrow().line.read_only
     }
 
+    /// Writes that have left.
+    pub(super) fn writes(&self) -> u32 {
+        self.0.borrow().writes
+    }
+
+    /// How long to wait at these settings for a device that thinks no longer than its profile says.
+    pub(super) fn full_wait(&self, reach: Reach) -> Duration {
+        let longest = self.0.borrow().device.profile.timing.response_timeout_ms;
+        Duration::from_millis(longest.into()) + reach.line.character_time(REPLY_CHARACTERS) + USB_SLACK
+    }
+
+    /// How long to wait at these settings for a device that thinks about as long as it did before.
+    pub(super) fn short_wait(&self, reach: Reach) -> Duration {
+        let slowest = Duration::from_micros(self.0.borrow().device.slowest_us.into());
+        if slowest.is_zero() {
+            return self.full_wait(reach);
+        }
+        (slowest * 4 + USB_SLACK + reach.line.character_time(REPLY_CHARACTERS) + USB_SLACK).min(self.full_wait(reach))
+    }
+
+    /// How long to wait for the reply to a write that may come with settings that the port has not yet.
+    pub(super) fn write_wait(&self, reach: Reach) -> Duration {
+        self.short_wait(reach).max(SHORTEST_WRITE).min(self.full_wait(reach))
+    }
+
     /// The exchanges since the last call.
     pub(super) fn take_exchanges(&self) -> Vec<Exchange> {
         std::mem::take(&mut self.0.borrow_mut().exchanges)
@@ -197,9 +230,10 @@ impl Desk {
         self.0.borrow_mut().progress = Progress { phase, done: count(done), total: count(total), left_ms };
     }
 
-    /// From now on everything is brought to its end, whatever the user wishes.
+    /// From now on only another cancellation is looked at.
     pub(super) fn clean_up(&self) {
-        self.0.borrow_mut().cleaning = true;
+        let mut state = self.0.borrow_mut();
+        state.cancelled_by = state.cancelled.saturating_add(1);
     }
 
     // What is done.
@@ -232,9 +266,96 @@ impl Desk {
     /// Leaves the line to this procedure alone.
     pub(super) fn stop_polling(&self) {
         let mut state = self.0.borrow_mut();
-        if state.line.polling {
+        if state.line.polling && !state.stopped_polling {
+            state.stopped_polling = true;
             state.orders.push_back(Order::Poll(false));
         }
+    }
+
+    /// Leaves the port as this reach needs it, and the polling to the device there; without one both as they were.
+    pub(super) async fn close(&self, stay: Option<Reach>) {
+        let original = {
+            let mut state = self.0.borrow_mut();
+            state.cancelled_by = u32::MAX;
+            Reach { line: state.original.line, mode: state.original.mode, ..state.device.reach }
+        };
+        self.progress(Phase::Ending, 0, 0, None);
+        // A port that does not come back is told by its own state.
+        let _ = self.enter(stay.unwrap_or(original)).await;
+        let mut state = self.0.borrow_mut();
+        if let Some(reach) = stay {
+            state.device.reach = reach;
+            state.orders.push_back(Order::Unit(reach.unit));
+        }
+        if std::mem::take(&mut state.stopped_polling) {
+            state.orders.push_back(Order::Poll(true));
+        }
+    }
+
+    /// Has a journal kept, and waits until it is.
+    pub(super) async fn keep(&self, journal: &Journal) -> Result<(), Stop> {
+        {
+            let mut state = self.0.borrow_mut();
+            state.kept = None;
+            state.orders.push_back(Order::Keep(Box::new(journal.clone())));
+        }
+        let until = self.now() + KEEPING;
+        let seen = self.wait(Some(until), |state| {
+            let kept = state.kept.take_if(|(id, _)| *id == journal.id);
+            kept.map(|(_, kept)| kept)
+        });
+        if seen.await == Some(true) { Ok(()) } else { Err(Stop::NotKept) }
+    }
+
+    /// Has a journal forgotten.
+    pub(super) fn forget(&self, journal: u64) {
+        self.0.borrow_mut().orders.push_back(Order::Forget(journal));
+    }
+
+    /// Writes a point, no sooner after the last write than the device likes, and has it kept for the audit.
+    pub(super) async fn write(
+        &self,
+        reach: Reach,
+        request: &Request,
+        (point, old, new): (&Point, Option<&[u16]>, &[u16]),
+        wait: Option<Duration>,
+    ) -> Result<Answer, Stop> {
+        if !self.enter(reach).await? {
+            return Ok(Answer::Silence);
+        }
+        let period = Duration::from_millis(self.profile().timing.min_write_period_ms.into());
+        let last = self.0.borrow().wrote_at;
+        if let Some(last) = last {
+            self.pause((last + period).saturating_since(self.now())).await?;
+        }
+        let before = self.0.borrow().exchanges.len();
+        let answer = self.ask(reach, request, wait).await;
+        if matches!(answer, Err(Stop::ReadOnly | Stop::Cancelled | Stop::NotKept)) {
+            return answer;
+        }
+        let unix_ms = self.unix_ms();
+        let mut state = self.0.borrow_mut();
+        state.wrote_at = Some(state.now);
+        state.writes += 1;
+        let exchange = state.exchanges.get(before).cloned();
+        let (sent, received, end) = match exchange {
+            Some(exchange) => (exchange.sent, exchange.heard, exchange.end),
+            // The port vanished before anybody could tell whether it has left.
+            None => (frame(reach, request).unwrap_or_default(), Vec::new(), End::NoPort),
+        };
+        let entry = AuditEntry {
+            unix_ms,
+            profile: state.device.profile.id.clone(),
+            reach,
+            point: point.id.clone(),
+            old: old.map(<[u16]>::to_vec),
+            new: new.to_vec(),
+            sent,
+            received,
+            end,
+        };
+        state.orders.push_back(Order::Audit(Box::new(entry)));
+        answer
     }
 
     /// Sets the port as a reach needs it, and says whether the port has taken it.
@@ -308,13 +429,11 @@ impl Desk {
             }
             None
         });
-        match seen.await {
-            Some(outcome) => outcome,
-            None => {
-                self.0.borrow_mut().orders.push_back(Order::Withdraw(id));
-                Err(Stop::Gone)
-            }
+        if let Some(outcome) = seen.await {
+            return outcome;
         }
+        self.0.borrow_mut().orders.push_back(Order::Withdraw(id));
+        Err(Stop::Gone)
     }
 }
 
@@ -323,7 +442,7 @@ impl State {
     fn stop(&self) -> Option<Stop> {
         if self.line.port == Port::Gone {
             Some(Stop::Gone)
-        } else if self.cancelled && !self.cleaning {
+        } else if self.cancelled >= self.cancelled_by {
             Some(Stop::Cancelled)
         } else {
             None

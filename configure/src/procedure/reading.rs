@@ -47,12 +47,12 @@ pub(super) async fn read_points(desk: &Desk, reach: Reach, points: &[&Point]) ->
         desk.progress(Phase::Reading, total - open.len(), total, None);
         let Some(block) = blocks(&profile, &open, &desk.device().refused).first().copied() else { break };
         let inside: Vec<&Point> = open.iter().copied().filter(|point| block.offset_of(point).is_some()).collect();
-        let found = read_group(desk, reach, &block, TRIES).await?;
+        let found = read_group(desk, reach, block, TRIES).await?;
         answered |= !matches!(found, Answer::Silence | Answer::Unclear);
         match found {
             Answer::Registers(registers) => {
                 for point in &inside {
-                    let own = part_of(&block, point, &registers).map_or(Read::NoAnswer, Read::Registers);
+                    let own = part_of(block, point, &registers).map_or(Read::NoAnswer, Read::Registers);
                     reads.push((point.id.clone(), own));
                 }
             }
@@ -79,11 +79,11 @@ pub(super) async fn read_points(desk: &Desk, reach: Reach, points: &[&Point]) ->
 
 async fn answers_alone(desk: &Desk, reach: Reach, point: &Point) -> Result<bool, Stop> {
     let Some(alone) = single(point) else { return Ok(false) };
-    Ok(!matches!(read_group(desk, reach, &alone, 1).await?, Answer::Silence | Answer::Unclear))
+    Ok(!matches!(read_group(desk, reach, alone, 1).await?, Answer::Silence | Answer::Unclear))
 }
 
 /// Makes one read, again if it is not answered.
-pub(super) async fn read_group(desk: &Desk, reach: Reach, group: &Group, tries: u32) -> Result<Answer, Stop> {
+pub(super) async fn read_group(desk: &Desk, reach: Reach, group: Group, tries: u32) -> Result<Answer, Stop> {
     let Some(request) = read_request(group) else { return Ok(Answer::Unclear) };
     let mut answer = Answer::Silence;
     for _ in 0..tries {

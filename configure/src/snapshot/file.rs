@@ -297,7 +297,7 @@ fn choice<T: Copy>(node: Node<'_>, all: &[(&str, T)]) -> Found<T> {
     found.map_or_else(|| fault(node, FileReason::NoneOf(all.iter().map(|(name, _)| (*name).to_owned()).collect())), Ok)
 }
 
-fn name_of<T: PartialEq>(value: T, all: &[(&'static str, T)]) -> &'static str {
+fn name_of<T: Copy + PartialEq>(value: T, all: &[(&'static str, T)]) -> &'static str {
     all.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name)
 }
 

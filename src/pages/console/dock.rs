@@ -210,7 +210,7 @@ impl Sent {
         match self.outcome.as_ref().map(|outcome| outcome.end) {
             None => "waiting",
             Some(End::Answered | End::Broadcast | End::Heard) => "good",
-            Some(End::Silence | End::Doubtful | End::Withdrawn) => "warning",
+            Some(End::Silence | End::Doubtful | End::Withdrawn | End::Busy) => "warning",
             Some(End::Damaged | End::ReadOnly | End::NoPort) => "bad",
         }
     }

@@ -296,6 +296,7 @@ fn end_key(end: End) -> &'static str {
         End::ReadOnly => "read-only",
         End::NoPort => "no-port",
         End::Withdrawn => "withdrawn",
+        End::Busy => "busy",
     }
 }
 
@@ -314,6 +315,7 @@ fn result_line(language: Language, profile: Option<&buslens_codec::profile::Prof
         End::ReadOnly => language.end_read_only(),
         End::NoPort => language.end_no_port(),
         End::Withdrawn => language.end_withdrawn(),
+        End::Busy => language.end_busy(),
     };
     let request = request_in(bytes, *mode).map(|(_, request)| request);
     let told = (!heard.is_empty())

@@ -169,8 +169,12 @@ fn told_line(app: &'static Workbench, told: Told) -> El {
     let sequences = &app.console.sequences;
     let language = app.language.get();
     match told {
-        Told::TooLong | Told::NoText => {
-            let words = if told == Told::TooLong { language.seq_too_long() } else { language.seq_no_text() };
+        Told::TooLong | Told::NoText | Told::Busy => {
+            let words = match told {
+                Told::TooLong => language.seq_too_long(),
+                Told::NoText => language.seq_no_text(),
+                _ => language.seq_busy(),
+            };
             let line = el("p").class("parse-error").attr("role", "alert").test("sequence-told");
             line.child(icon(Icon::Fault)).child(el("span").text(words))
         }

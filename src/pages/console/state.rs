@@ -11,6 +11,7 @@ use super::sequence::Sequences;
 use super::setup::Setup;
 use crate::analyst::Analyst;
 use crate::components::desk::{Bytes, CONNECTED, Clock, Desk, NO_PROFILE, NOTHING, Times};
+use crate::configuring::Configuring;
 use crate::console::snippets::{self, Snippet};
 use crate::device::{self, Device};
 use crate::reactive::prelude::*;
@@ -29,11 +30,11 @@ thread_local! {
 /// The state of the page. It outlives a visit to another page.
 pub(crate) struct Console {
     /// The log.
-    pub(super) desk: Desk,
+    pub(crate) desk: Desk,
     /// The line as the engine told it last.
-    pub(super) line: RwSignal<Option<LineState>>,
+    pub(crate) line: RwSignal<Option<LineState>>,
     /// The unit id of the device that is connected.
-    pub(super) unit: RwSignal<Option<u8>>,
+    pub(crate) unit: RwSignal<Option<u8>>,
     /// The fields of the line's settings.
     pub(super) setup: Setup,
     /// Whether bytes are shown as they are, without talk of frames.
@@ -107,15 +108,17 @@ impl Console {
     }
 
     /// Starts the worker at the first visit and joins it to the engine.
-    pub(super) fn start(&'static self) {
+    /// Whether it starts now.
+    pub(crate) fn start(&'static self, configuring: &'static Configuring) -> bool {
         if self.started.get_value() {
-            return;
+            return false;
         }
         self.started.set_value(true);
-        Analyst::Console.start(move |message, beside| self.hear(message, &beside));
+        Analyst::Console.start(move |message, beside| self.hear(configuring, message, &beside));
         crate::workbench::attach_console();
         self.tell(ToConsole::RingSize(self.ring_size()));
         self.desk.send_profile();
+        true
     }
 
     /// Sends a wish to the worker.
@@ -247,11 +250,12 @@ impl Console {
         }
     }
 
-    fn hear(&self, message: FromAnalyst, beside: &JsValue) {
+    fn hear(&self, configuring: &Configuring, message: FromAnalyst, beside: &JsValue) {
         if let FromAnalyst::Progress(progress) = &message {
             self.take_clock(progress.start_us, progress.epoch_us);
         }
         match self.desk.hear(message, beside) {
+            Some(FromAnalyst::Console(FromConsole::Configure(message))) => configuring.hear(message),
             Some(FromAnalyst::Console(message)) => self.hear_console(message),
             Some(FromAnalyst::Unreadable(words)) => self.unreadable.set(Some(words)),
             _ => {}
@@ -267,6 +271,9 @@ impl Console {
                 self.sequences.take_checked(edition, faults, cautions);
             }
             FromConsole::Run { edition, changes } => self.sequences.take_changes(edition, changes),
+            FromConsole::NotRun { edition } => self.sequences.take_refusal(edition),
+            // Heard before.
+            FromConsole::Configure(_) => {}
         }
     }
 

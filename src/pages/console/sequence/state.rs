@@ -65,6 +65,8 @@ pub(super) struct Ran {
 pub(super) enum Told {
     TooLong,
     NoText,
+    /// It was not run: a device is being configured.
+    Busy,
     Deleted(Own),
 }
 
@@ -274,6 +276,7 @@ impl Sequences {
             return;
         }
         self.asks.set(false);
+        self.told.set(None);
         let device = untrack(|| self.device(console));
         let unit = console.unit.get_untracked().or(device.map(|device| device.profile().unit)).unwrap_or(1);
         let profile = device.map(|device| device.source().to_owned()).unwrap_or_default();
@@ -292,6 +295,16 @@ impl Sequences {
     pub(super) fn stop(&self, console: &Console) {
         if self.is_running() {
             console.tell(ToConsole::Stop);
+        }
+    }
+
+    /// It was not run.
+    pub(crate) fn take_refusal(&self, edition: u32) {
+        if self.ran.with_untracked(|ran| ran.as_ref().is_some_and(|ran| ran.edition == edition)) {
+            self.summary.set(None);
+            self.ran.set(None);
+            self.shows_steps.set(false);
+            self.told.set(Some(Told::Busy));
         }
     }
 
