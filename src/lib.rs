@@ -12,4 +12,37 @@ mod app;
 mod builder;
 mod clipboard;
 mod components;
+mod configure;
 mod configuring;
+mod console;
+mod crash;
+mod device;
+mod diagnosis;
+mod dom;
+mod engine;
+mod format;
+mod history;
+mod link;
+mod loader;
+mod message;
+mod pages;
+mod ports;
+mod reactive;
+mod route;
+mod serial;
+mod settings;
+mod storage;
+mod text;
+mod theme;
+mod trend;
+pub mod workbench;
+mod worker;
+
+/// Runs the first program in the role that its place asks for.
+pub fn run() {
+    if web_sys::window().is_none() {
+        engine::run();
+    } else {
+        app::start();
+    }
+}

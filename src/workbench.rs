@@ -15,7 +15,10 @@ use crate::configuring::Configuring;
 use crate::crash;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
-use crate::pages::{Console, Decoder, builder_page, console_page, decoder_page, exchange_halves, listen_at_console};
+use crate::pages::{
+    Configure, Console, Decoder, banner, builder_page, configure_page, console_page, decoder_page, exchange_halves,
+    follow_configuring, listen_at_console,
+};
 use crate::reactive::prelude::*;
 use crate::reactive::run_forever;
 use crate::route::{self, Page};
@@ -36,6 +39,8 @@ pub(crate) struct Workbench {
     pub(crate) console: Console,
     /// What is done to devices.
     pub(crate) configuring: Configuring,
+    /// The Configure page's state.
+    pub(crate) configure: Configure,
     /// The Decoder page's state.
     pub(crate) decoder: Decoder,
     /// The last text whose checks the analyst has made, and what came of it.
@@ -65,6 +70,7 @@ impl Workbench {
             to_send: route::follow_send(),
             console: Console::remembered(),
             configuring: Configuring::new(),
+            configure: Configure::remembered(),
             decoder: Decoder::remembered(),
             sums: RwSignal::new(None),
             size_turn: RwSignal::new(0),
@@ -169,6 +175,10 @@ fn start(language: Language, beside: JsValue) {
         let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
         dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
+        follow_configuring(state);
+        if let Some(place) = document().get_element_by_id("notices") {
+            banner(state).handle().move_into(&place);
+        }
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
         };
@@ -178,6 +188,7 @@ fn start(language: Language, beside: JsValue) {
                 Page::Decoder => decoder_page(state),
                 Page::Builder => builder_page(state),
                 Page::Console => console_page(state),
+                Page::Configure => configure_page(state),
             })
         });
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));

@@ -53,15 +53,8 @@ pub(crate) fn told(language: Language, profile: &Profile, report: &Report, have:
     let t = language;
     let at = |place: &Reach| words::reach(t, place);
     let why = |why: &Why| cause(t, profile, report, why, have);
-    let plain = |key, grade, title, what: String| Told {
-        key,
-        grade,
-        title,
-        what,
-        list: Vec::new(),
-        tip: None,
-        search: false,
-    };
+    let plain =
+        |key, grade, title, what: String| Told { key, grade, title, what, list: Vec::new(), tip: None, search: false };
     let tip = |told: Told, tip| Told { tip: Some(tip), ..told };
     match &report.ending {
         Ending::Done => plain("done", Good, t.cfg_done(), t.cfg_done_what().to_owned()),
@@ -99,9 +92,7 @@ pub(crate) fn told(language: Language, profile: &Profile, report: &Report, have:
         Ending::NotKept => {
             tip(plain("not-kept", Harmless, t.cfg_not_kept(), t.cfg_not_kept_what().to_owned()), t.cfg_not_kept_tip())
         }
-        Ending::ReadOnly => {
-            plain("read-only", Harmless, t.cfg_read_only_ended(), t.cfg_blocked_read_only().to_owned())
-        }
+        Ending::ReadOnly => plain("read-only", Harmless, t.cfg_read_only_ended(), t.cfg_blocked_read_only().to_owned()),
         Ending::NoAnswer => {
             let place = report.candidates.first().map(at).unwrap_or_else(|| at(&have.reach));
             let told = plain("no-answer", Bad, t.cfg_no_answer(), t.cfg_no_answer_what(&place));

@@ -57,11 +57,8 @@ pub(crate) fn text(
 /// An exchange as two lines: what was sent, what was heard.
 fn exchange_lines(language: Language, exchange: &Exchange) -> [String; 2] {
     let reach = words::reach(language, &exchange.reach);
-    let heard = if exchange.heard.is_empty() {
-        language.cfg_heard_nothing().to_owned()
-    } else {
-        hex_spaced(&exchange.heard)
-    };
+    let heard =
+        if exchange.heard.is_empty() { language.cfg_heard_nothing().to_owned() } else { hex_spaced(&exchange.heard) };
     let trip = exchange.round_trip_us.map(|trip| [" (", &milliseconds(trip), ")"].concat()).unwrap_or_default();
     [["TX ", &hex_spaced(&exchange.sent), "  [", &reach, "]"].concat(), ["RX ", &heard, &trip].concat()]
 }
@@ -81,8 +78,7 @@ mod tests {
         let reach = Reach::of_factory(profile);
         let have = Snapshot::empty(profile, reach);
         let sent = vec![0x01, 0x10, 0x00, 0x31];
-        let exchange =
-            Exchange { reach, sent, heard: Vec::new(), round_trip_us: Some(12_300), end: End::Silence };
+        let exchange = Exchange { reach, sent, heard: Vec::new(), round_trip_us: Some(12_300), end: End::Silence };
         let step = StepReport {
             point: "baud".to_owned(),
             before: Some(vec![3]),

@@ -123,9 +123,7 @@ fn spelled(profile: &Profile, point: &Point, registers: &[u16], have: &Snapshot)
     let hexadecimal = format!("0x{}", words.concat());
     // A number is written as people write it, if that comes back as the same registers.
     let shown = words::shown(profile, point, registers, have, |texts| &texts.en);
-    let same = |text: &String| {
-        Edit::parse(profile, point, text, have).is_ok_and(|edit| edit.registers == registers)
-    };
+    let same = |text: &String| Edit::parse(profile, point, text, have).is_ok_and(|edit| edit.registers == registers);
     shown.and_then(|shown| shown.text).filter(same).unwrap_or(hexadecimal)
 }
 
@@ -136,7 +134,8 @@ fn is_held(point: &Point, have: &Snapshot, edit: &Edit) -> bool {
         _ => u16::MAX,
     };
     have.registers(&point.id).is_some_and(|held| {
-        held.len() == edit.registers.len() && held.iter().zip(&edit.registers).all(|(old, new)| old & mask == new & mask)
+        held.len() == edit.registers.len()
+            && held.iter().zip(&edit.registers).all(|(old, new)| old & mask == new & mask)
     })
 }
 

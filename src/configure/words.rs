@@ -300,7 +300,10 @@ mod tests {
         let profile = device::find("level").profile();
         let save = Hazard::Grave { point: "save".to_owned(), registers: vec![1] };
         let text = hazard(Language::En, profile, &save);
-        assert!(text.contains("to the factory area") && text.contains("overwrites what a restore brings back"), "{text}");
+        assert!(
+            text.contains("to the factory area") && text.contains("overwrites what a restore brings back"),
+            "{text}"
+        );
         let restore = hazard(Language::Zh, profile, &Hazard::Search { point: "restore_factory".to_owned() });
         assert!(restore.contains("必须重新搜索"), "{restore}");
     }
@@ -319,7 +322,10 @@ mod tests {
     fn steps_go_from_waiting_over_writing_to_written() {
         let at = |phase: &Phase, at, last| step_now(Language::En, phase, at, last).0;
         let writing = Phase::Writing { step: 1 };
-        assert_eq!((at(&writing, 0, Some(1)), at(&writing, 1, Some(1)), at(&writing, 2, Some(1))), ("done", "running", "waiting"));
+        assert_eq!(
+            (at(&writing, 0, Some(1)), at(&writing, 1, Some(1)), at(&writing, 2, Some(1))),
+            ("done", "running", "waiting")
+        );
         assert_eq!(at(&Phase::Restarting, 1, Some(1)), "running");
         assert_eq!(at(&Phase::Beginning, 0, None), "waiting");
         assert_eq!(at(&Phase::Ending, 2, Some(2)), "done");

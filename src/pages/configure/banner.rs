@@ -32,9 +32,9 @@ pub(crate) fn banner(app: &'static Workbench) -> El {
     let leaving = RwSignal::new(None);
     // What is being written here is no offer; and while a journal is gone on from, the page shows how far that is.
     let busy = Memo::new(move |_| {
-        app.configuring.running.with(|running| {
-            running.as_ref().is_some_and(|running| matches!(running.kind, Kind::Apply | Kind::Recover))
-        })
+        app.configuring
+            .running
+            .with(|running| running.as_ref().is_some_and(|running| matches!(running.kind, Kind::Apply | Kind::Recover)))
     });
     el("div").class("contents").live(move || {
         if busy.get() {
@@ -75,9 +75,12 @@ fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u6
         let have = Snapshot::empty(profile, journal.reach);
         let item = |step: &JournalStep| {
             let name = words::name(language, profile, &step.point);
-            el("li")
-                .child(el("span").class("cfg-step-name").text(&name))
-                .child(change(language, profile, (&step.point, step.before.as_deref(), &step.after), &have))
+            el("li").child(el("span").class("cfg-step-name").text(&name)).child(change(
+                language,
+                profile,
+                (&step.point, step.before.as_deref(), &step.after),
+                &have,
+            ))
         };
         el("ul").class("cfg-left").children(journal.steps.iter().map(item))
     });
@@ -107,7 +110,8 @@ fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u6
         let undo = button(app, "small", "journal-undo", Language::cfg_undo_journal)
             .flag("disabled", move || blocked.get().is_some())
             .click(go_on(Way::Undo));
-        let leave = button(app, "small quiet", "journal-leave", Language::cfg_leave).click(move || leaving.set(Some(id)));
+        let leave =
+            button(app, "small quiet", "journal-leave", Language::cfg_leave).click(move || leaving.set(Some(id)));
         let why = move || {
             let language = app.language.get();
             Some(match blocked.get()? {
@@ -118,23 +122,18 @@ fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u6
         };
         el("div").class("cfg-offers").child(finish).child(undo).child(leave).live_one(why)
     };
-    el("section")
-        .class("alert cfg-banner")
-        .attr("role", "alert")
-        .test("journal")
-        .child(icon(Icon::Fault))
-        .child(
-            el("div")
-                .child(el("h2").text(language.cfg_banner_title()))
-                .child(
-                    el("p")
-                        .text(&language.cfg_banner_what(name, &reach, &when))
-                        .text(" ")
-                        .text(&language.cfg_banner_steps(sent, journal.steps.len())),
-                )
-                .children(steps)
-                .live_one(move || Some(actions())),
-        )
+    el("section").class("alert cfg-banner").attr("role", "alert").test("journal").child(icon(Icon::Fault)).child(
+        el("div")
+            .child(el("h2").text(language.cfg_banner_title()))
+            .child(
+                el("p")
+                    .text(&language.cfg_banner_what(name, &reach, &when))
+                    .text(" ")
+                    .text(&language.cfg_banner_steps(sent, journal.steps.len())),
+            )
+            .children(steps)
+            .live_one(move || Some(actions())),
+    )
 }
 
 /// Why nothing can be kept, in words.

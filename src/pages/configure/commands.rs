@@ -32,9 +32,10 @@ pub(super) fn commands_card(app: &'static Workbench, device: &'static Device) ->
 }
 
 fn command(app: &'static Workbench, point: &'static Point) -> El {
-    let note = point.note.as_ref().map(|note| {
-        el("small").class("muted").live_text(move || words::pick(app.language.get(), note).clone())
-    });
+    let note = point
+        .note
+        .as_ref()
+        .map(|note| el("small").class("muted").live_text(move || words::pick(app.language.get(), note).clone()));
     let name = el("div")
         .class("cfg-name")
         .child(el("b").live_text(move || words::pick(app.language.get(), &point.name).clone()))

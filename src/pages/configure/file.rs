@@ -92,7 +92,12 @@ pub(super) fn file_menu(app: &'static Workbench) -> El {
     let save = button(app, "quiet small", "configure-save", Language::cfg_save)
         .flag("disabled", move || configure.held.with(Option::is_none))
         .click(move || configure.save());
-    el("div").class("contents").child(chooser).child(menu(app, "configure-files", Language::cfg_files, vec![load, save]))
+    el("div").class("contents").child(chooser).child(menu(
+        app,
+        "configure-files",
+        Language::cfg_files,
+        vec![load, save],
+    ))
 }
 
 impl Configure {

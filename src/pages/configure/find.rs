@@ -27,8 +27,7 @@ pub(super) fn find_card(app: &'static Workbench) -> El {
     };
     let likely = move || {
         let language = app.language.get();
-        let all: Vec<String> =
-            configure.likely(app).iter().map(|reach| words::reach(language, reach)).collect();
+        let all: Vec<String> = configure.likely(app).iter().map(|reach| words::reach(language, reach)).collect();
         (!all.is_empty()).then(|| {
             el("p")
                 .class("cfg-place")
@@ -106,7 +105,8 @@ impl Configure {
             let of_kind = open.iter().filter(|journal| journal.profile == device.id());
             of_kind.flat_map(buslens_configure::Journal::candidates).collect::<Vec<_>>()
         });
-        let read = self.held.with(|held| held.as_ref().filter(|held| held.profile == device.id()).map(|held| held.reach));
+        let read =
+            self.held.with(|held| held.as_ref().filter(|held| held.profile == device.id()).map(|held| held.reach));
         let mut all = Vec::new();
         for reach in kept.into_iter().chain(read) {
             if !all.contains(&reach) {

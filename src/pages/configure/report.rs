@@ -44,8 +44,8 @@ fn card(app: &'static Workbench, grade: Grade, title: &str) -> (El, El) {
     let mark = if grade == Grade::Good { Icon::Info } else { Icon::Fault };
     let heading = el("h2").attr("id", "configure-work").attr("tabindex", "-1").test("report-title").text(title);
     let header = el("header").child(icon(mark)).child(heading).child(el("span").class("space"));
-    let close = button(app, "quiet small", "report-close", Language::cfg_close_report)
-        .click(|| app.configure.report.set(None));
+    let close =
+        button(app, "quiet small", "report-close", Language::cfg_close_report).click(|| app.configure.report.set(None));
     let card = el("section").class("card cfg-work cfg-report").test("report-card").attr("data-grade", grade.key());
     (card, header.child(close))
 }
@@ -148,9 +148,11 @@ fn ways_on(app: &'static Workbench, report: &Report, told: &Told) -> Vec<El> {
     }
     if told.search {
         let candidates = report.candidates.clone();
-        all.push(button(app, "", "report-search", Language::cfg_find).flag("disabled", move || blocked(false)).click(
-            move || configure.search(app, &candidates),
-        ));
+        all.push(
+            button(app, "", "report-search", Language::cfg_find)
+                .flag("disabled", move || blocked(false))
+                .click(move || configure.search(app, &candidates)),
+        );
     }
     all
 }
@@ -159,7 +161,8 @@ fn step_item(app: &'static Workbench, device: &'static Device, at: usize, step: 
     let language = app.language.get();
     let profile = device.profile();
     let have = untrack(|| app.configure.have(app, profile));
-    let outcome = words::outcome(language, &step.outcome, |read| words::read(language, profile, &step.point, read, &have));
+    let outcome =
+        words::outcome(language, &step.outcome, |read| words::read(language, profile, &step.point, read, &have));
     let frames = (!step.exchanges.is_empty()).then(|| {
         el("details")
             .class("cfg-exchanges")
@@ -179,12 +182,7 @@ fn step_item(app: &'static Workbench, device: &'static Device, at: usize, step: 
                     el("p")
                         .class("cfg-step-line")
                         .child(el("b").class("cfg-step-name").text(&words::name(language, profile, &step.point)))
-                        .child(change(
-                            language,
-                            profile,
-                            (&step.point, step.before.as_deref(), &step.after),
-                            &have,
-                        ))
+                        .child(change(language, profile, (&step.point, step.before.as_deref(), &step.after), &have))
                         .child(el("span").class("cfg-state").text(&outcome)),
                 )
                 .children(frames),

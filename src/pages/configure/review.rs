@@ -32,8 +32,9 @@ pub(super) fn review_card(app: &'static Workbench) -> El {
         .class("card cfg-work")
         .test("review-card")
         .child(
-            el("header")
-                .child(el("h2").attr("id", "configure-work").attr("tabindex", "-1").say(app, Language::cfg_review_title)),
+            el("header").child(
+                el("h2").attr("id", "configure-work").attr("tabindex", "-1").say(app, Language::cfg_review_title),
+            ),
         )
         .live(content)
 }
@@ -114,7 +115,12 @@ fn about(app: &'static Workbench, language: Language, profile: &Profile, plan: &
 }
 
 /// What is written over what.
-pub(super) fn change(language: Language, profile: &Profile, step: (&str, Option<&[u16]>, &[u16]), have: &Snapshot) -> El {
+pub(super) fn change(
+    language: Language,
+    profile: &Profile,
+    step: (&str, Option<&[u16]>, &[u16]),
+    have: &Snapshot,
+) -> El {
     let (point, before, after) = step;
     let value = |registers: &[u16]| match profile.point(point) {
         Some(point) => words::value(language, profile, point, registers, have),
@@ -156,12 +162,12 @@ fn step_item(language: Language, profile: &Profile, at: usize, step: &Step, have
         .child(
             el("div")
                 .class("cfg-step-body")
-                .child(
-                    el("p")
-                        .class("cfg-step-line")
-                        .child(el("b").class("cfg-step-name").text(&name))
-                        .child(change(language, profile, (&step.point, step.before.as_deref(), &step.after), have)),
-                )
+                .child(el("p").class("cfg-step-line").child(el("b").class("cfg-step-name").text(&name)).child(change(
+                    language,
+                    profile,
+                    (&step.point, step.before.as_deref(), &step.after),
+                    have,
+                )))
                 .children(moves.then_some(effect))
                 .child(frames),
         )

@@ -63,7 +63,13 @@ pub(super) fn run_card(app: &'static Workbench) -> El {
         .child(
             el("div")
                 .class("cfg-body cfg-progress")
-                .child(el("p").attr("role", "status").test("run-phase").live_attr("data-phase", phase_key).live_text(phase))
+                .child(
+                    el("p")
+                        .attr("role", "status")
+                        .test("run-phase")
+                        .live_attr("data-phase", phase_key)
+                        .live_text(phase),
+                )
                 .child(bar(progress))
                 .child(el("p").class("muted").live_text(move || counts(app.language.get(), progress.get().as_ref()))),
         )

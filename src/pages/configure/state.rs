@@ -270,6 +270,7 @@ pub(super) fn hindrance(language: crate::text::Language, why: &Hindrance) -> Str
         Hindrance::Sequence => language.cfg_blocked_sequence().to_owned(),
         Hindrance::Sending => language.cfg_blocked_sending().to_owned(),
         Hindrance::Profile(fault) => language.cfg_blocked_profile(fault.line, fault.column, &fault.reason),
+        Hindrance::Cancelled => language.cfg_cancelled_clean().to_owned(),
         Hindrance::JournalHeld => language.cfg_blocked_held().to_owned(),
         Hindrance::JournalGone => language.cfg_blocked_gone().to_owned(),
         Hindrance::Store(fault) => super::banner::store_fault(language, fault),

@@ -34,7 +34,11 @@ pub(super) fn parameters_card(app: &'static Workbench, device: &'static Device) 
     let verdicts = Memo::new(move |_| configure.verdicts(app));
     let points: Vec<&'static Point> =
         device.profile().points.iter().filter(|point| point.role == Role::Parameter).collect();
-    let card = el("section").class("card cfg-parameters").test("parameters").child(head(app, device)).child(hints(app, device));
+    let card = el("section")
+        .class("card cfg-parameters")
+        .test("parameters")
+        .child(head(app, device))
+        .child(hints(app, device));
     if points.is_empty() {
         return card.child(el("p").class("empty").say(app, Language::cfg_none));
     }
@@ -75,9 +79,9 @@ fn head(app: &'static Workbench, device: &'static Device) -> El {
         if reading.get() {
             return read_progress(app, language);
         }
-        let taken = configure.held.with(|held| {
-            held.as_ref().filter(|held| held.profile == device.id()).map(|held| held.taken_unix_ms)
-        });
+        let taken = configure
+            .held
+            .with(|held| held.as_ref().filter(|held| held.profile == device.id()).map(|held| held.taken_unix_ms));
         taken.map_or_else(|| language.cfg_never_read().to_owned(), |taken| language.cfg_read_at(&time(language, taken)))
     };
     let state = move || Some(if reading.get() { "reading" } else { "still" }.to_owned());
@@ -163,7 +167,8 @@ fn hints(app: &'static Workbench, device: &'static Device) -> El {
             let text = match &ended.as_ref()?.outcome {
                 Err(why) => state::hindrance(language, why),
                 Ok(report) => {
-                    let have = Snapshot::empty(device.profile(), untrack(|| configure.have(app, device.profile())).reach);
+                    let have =
+                        Snapshot::empty(device.profile(), untrack(|| configure.have(app, device.profile())).reach);
                     let told = ending::told(language, device.profile(), report, &have);
                     [told.title, ". ", &told.what, " ", told.tip.unwrap_or_default()].concat()
                 }
@@ -185,9 +190,9 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
     let profile = device.profile();
     let held = Memo::new(move |_| {
         let language = app.language.get();
-        configure.held.with(|held| {
-            Held::of(language, profile, point, held.as_ref().filter(|held| held.profile == profile.id))
-        })
+        configure
+            .held
+            .with(|held| Held::of(language, profile, point, held.as_ref().filter(|held| held.profile == profile.id)))
     });
     let factory = move || {
         let have = configure.have(app, profile);
@@ -197,18 +202,22 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
         let differs = held.with(|held| held.factory == Some(false));
         let language = app.language.get();
         differs.then(|| {
-            el("i").class("cfg-differs").attr("title", language.cfg_differs()).child(
-                el("span").class("visually-hidden").text(language.cfg_differs()),
-            )
+            el("i")
+                .class("cfg-differs")
+                .attr("title", language.cfg_differs())
+                .child(el("span").class("visually-hidden").text(language.cfg_differs()))
         })
     };
     let name = el("td")
         .class("cfg-name")
         .child(el("b").live_text(move || words::pick(app.language.get(), &point.name).clone()))
         .children(danger_mark(app, row::danger(point)))
-        .children(point.note.as_ref().map(|note| {
-            el("small").live_text(move || words::pick(app.language.get(), note).clone())
-        }));
+        .children(
+            point
+                .note
+                .as_ref()
+                .map(|note| el("small").live_text(move || words::pick(app.language.get(), note).clone())),
+        );
     let now = el("td")
         .class("number cfg-now")
         .live_class("muted", move || held.with(|held| !held.is_value))
@@ -278,19 +287,16 @@ fn editor(app: &'static Workbench, device: &'static Device, point: &'static Poin
                 })
         })
     };
-    el("div")
-        .class("cfg-edit")
-        .child(el("div").class("cfg-control").child(control).live_one(revert))
-        .child(
-            el("p")
-                .class("note")
-                .attr("id", &note_id)
-                .test(&["note-", &point.id].concat())
-                .live_attr("data-kind", move || {
-                    verdicts.with(|all| all.refusal(&point.id).is_some()).then(|| "wrong".to_owned())
-                })
-                .live_text(note),
-        )
+    el("div").class("cfg-edit").child(el("div").class("cfg-control").child(control).live_one(revert)).child(
+        el("p")
+            .class("note")
+            .attr("id", &note_id)
+            .test(&["note-", &point.id].concat())
+            .live_attr("data-kind", move || {
+                verdicts.with(|all| all.refusal(&point.id).is_some()).then(|| "wrong".to_owned())
+            })
+            .live_text(note),
+    )
 }
 
 /// A list of the codes that the table knows.
