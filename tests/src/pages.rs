@@ -1,12 +1,14 @@
 //! Page objects: what a user can do on a page and see there, so that tests speak of sensors and not of elements.
 
 mod builder;
+mod configure;
 mod console;
 mod decoder;
 mod live;
 mod sequence;
 
 pub use builder::BuilderPage;
+pub use configure::ConfigurePage;
 pub use console::ConsolePage;
 pub use decoder::DecoderPage;
 pub use live::{Figures, LivePage, State};

@@ -6,6 +6,7 @@ mod chatter;
 mod independent;
 mod memory;
 mod pty;
+mod struck;
 mod wire;
 
 pub use adapter::{Adapter, CH340};
@@ -14,6 +15,7 @@ pub use chatter::Chatter;
 pub use independent::{Registers, Relay};
 pub use memory::Held;
 pub use pty::Pty;
+pub use struck::{Strike, Struck};
 pub use wire::{FarEnd, Wire};
 
 /// Address of the built page, as served by `cargo xtask test`.
