@@ -63,16 +63,16 @@ fn a_request_is_unanswered_when_its_answer_can_no_longer_come() {
     let mut desk = Desk::live(0);
     desk.set_filter(errors());
     desk.record(&[opened(0), sent(1_000_000, Origin::Poll, ask(1, 0, 1))]);
-    assert_eq!(indices(&desk), []);
+    assert!(indices(&desk).is_empty());
     desk.settle(1_900_000);
-    assert_eq!(indices(&desk), []);
+    assert!(indices(&desk).is_empty());
     desk.settle(2_000_000);
     assert_eq!(indices(&desk), [0]);
     assert_eq!(desk.statistics().unwrap().total.unanswered, 1);
     // It came late all the same.
     desk.record(&[received(2_100_000, answer(1, &[7]))]);
     desk.settle(2_200_000);
-    assert_eq!(indices(&desk), []);
+    assert!(indices(&desk).is_empty());
     // The next request says that nobody answered.
     desk.record(&[sent(3_000_000, Origin::Poll, ask(1, 0, 1)), sent(3_100_000, Origin::Poll, ask(1, 0, 1))]);
     assert_eq!(indices(&desk), [2]);

@@ -71,7 +71,7 @@ impl Configuring {
     }
 
     /// Begins. What is in the way for reasons of the console comes as `hindrance`.
-    pub(super) fn begin(&mut self, now: Instant, wish: Wish, hindrance: Option<Hindrance>, around: Around<'_>) {
+    pub(super) fn begin(&mut self, now: Instant, wish: Wish, hindrance: Option<Hindrance>, mut around: Around<'_>) {
         let Wish { run, task, profile, reach } = wish;
         let writes = matches!(task, Task::Apply { .. } | Task::Recover { .. });
         let begun = match hindrance.or_else(|| self.hindrance(around.state, writes)) {
@@ -79,7 +79,7 @@ impl Configuring {
             None => self.device(&profile, reach),
         };
         match begun {
-            Ok(device) => self.start(now, run, task, device, reach.unit, around),
+            Ok(device) => self.start(now, run, task, device, reach.unit, &mut around),
             Err(why) => tell(FromConfigure::Refused { run, why }, around.out),
         }
     }
@@ -128,7 +128,7 @@ impl Configuring {
         now: Instant,
         fetching: &Fetching,
         taken: Result<Box<Journal>, Hindrance>,
-        around: Around<'_>,
+        mut around: Around<'_>,
     ) {
         let Fetching { run, way, .. } = *fetching;
         let hindrance = self.hindrance(around.state, true);
@@ -139,7 +139,7 @@ impl Configuring {
         match begun {
             Ok((journal, device)) => {
                 let unit = journal.reach.unit;
-                self.start(now, run, Task::Recover { journal: *journal, way }, device, unit, around);
+                self.start(now, run, Task::Recover { journal: *journal, way }, device, unit, &mut around);
             }
             Err(why) => {
                 around.out.store(ToStore::Release);
@@ -148,7 +148,7 @@ impl Configuring {
         }
     }
 
-    fn start(&mut self, now: Instant, run: u32, task: Task, device: Device, unit: UnitId, around: Around<'_>) {
+    fn start(&mut self, now: Instant, run: u32, task: Task, device: Device, unit: UnitId, around: &mut Around<'_>) {
         let simulated = around.state.is_some_and(|state| state.simulated);
         let key = DeviceKey { profile: device.profile.id.clone(), unit: unit.0, simulated };
         around.ledger.configure(Some(key), None, around.out);

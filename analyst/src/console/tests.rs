@@ -11,6 +11,7 @@ use super::playback::Playback;
 use crate::line::{End, FromLine, LineState, Outcome, PortState, Signals, ToLine};
 use crate::message::{FromConsole, ProfileChoice, Repeat, Sending, ToConsole, Until};
 
+mod configuring;
 mod sequences;
 
 const LINE: LineSettings = LineSettings::new(9600, Parity::Even);
