@@ -261,15 +261,15 @@ fn unfit(error: ValueError) -> Unfit {
     }
 }
 
-/// A number that does not fit has digits too many at one end or at the other: without those behind the point it fits, or not.
+/// A number that does not fit has digits too many behind the point, or before it.
 fn too_fine_or_large(profile: &Profile, point: &Point, number: Decimal, known: &Known) -> Unfit {
-    let fits = |decimals: u8| {
-        let cut = (0..number.decimals.saturating_sub(decimals)).fold(number.mantissa, |mantissa, _| mantissa / 10);
-        let value = Value::Number(Decimal { mantissa: cut, decimals });
-        profile.encode_point(point, value, known).is_ok()
+    let fits = |decimals: &u8| {
+        let least = Value::Number(Decimal { mantissa: 1, decimals: *decimals });
+        profile.encode_point(point, least, known).is_ok()
     };
-    let finest = (0..number.decimals).rev().find(|decimals| fits(*decimals));
-    finest.map_or(Unfit::TooLarge, |decimals| Unfit::TooFine { decimals })
+    let finest = (0..=Decimal::MAX_DECIMALS).rev().find(fits);
+    let has_more = |decimals: &u8| number.mantissa_with(i8::try_from(*decimals).unwrap_or(i8::MAX)).is_none();
+    finest.filter(has_more).map_or(Unfit::TooLarge, |decimals| Unfit::TooFine { decimals })
 }
 
 /// The code with this name in either language, whatever its case.
