@@ -28,7 +28,7 @@ use crate::text::Language;
 pub(crate) struct Workbench {
     ambient: Ambient,
     /// The page shown, if it is one of this program's.
-    page: RwSignal<Option<Page>>,
+    pub(crate) page: RwSignal<Option<Page>>,
     /// The last exchange of the Live page, while it is shown.
     pub(crate) exchange: RwSignal<Option<Exchange>>,
     /// What the address brings to be read.

@@ -448,13 +448,12 @@ async fn unplugged(sensor: Lvdt, way: &str, settings: &str, wanted: [u16; 3]) {
     bench.unplug();
     let page = ConfigurePage { browser: &bench.browser };
     page.wait_for_ending("interrupted").await;
-    page.wait_for_journal().await;
     // Its node is another one: nothing of the old wire is left.
     let far_end = Struck::new(Line::new([sensor], 1), &[0xFF; 16], Strike::Lost);
     bench.plug(far_end);
     let page = ConfigurePage { browser: &bench.browser };
     bench.browser.click(way).await;
-    page.wait_for_ending(if way == "journal-finish" { "done" } else { "undone" }).await;
+    page.wait_for_ending(if way == "report-finish" { "done" } else { "undone" }).await;
     page.wait_for_reading_at(settings).await;
     let held = bench.wire().with(|line, _| held(line.line.device_mut(0).expect("it is on the line")));
     assert_eq!(held, wanted);
@@ -464,13 +463,13 @@ async fn unplugged(sensor: Lvdt, way: &str, settings: &str, wanted: [u16; 3]) {
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]
 async fn unplugged_before_the_write_arrived_the_change_is_finished() {
-    unplugged(lvdt(), "journal-finish", "115200 8E1 · RTU · unit 1", [1, 7, 2]).await;
+    unplugged(lvdt(), "report-finish", "115200 8E1 · RTU · unit 1", [1, 7, 2]).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]
 async fn unplugged_after_the_write_arrived_the_change_is_undone() {
-    unplugged(preset(&[(0x0031, 7)]), "journal-undo", "9600 8E1 · RTU · unit 1", [1, 3, 2]).await;
+    unplugged(preset(&[(0x0031, 7)]), "report-undo", "9600 8E1 · RTU · unit 1", [1, 3, 2]).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

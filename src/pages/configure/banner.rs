@@ -15,6 +15,7 @@ use crate::configuring::Kind;
 use crate::device;
 use crate::dom::{El, el, react};
 use crate::reactive::prelude::*;
+use crate::route::Page;
 use crate::storage;
 use crate::text::Language;
 use crate::workbench::Workbench;
@@ -40,7 +41,12 @@ pub(crate) fn banner(app: &'static Workbench) -> El {
         if busy.get() {
             return Vec::new();
         }
-        app.configuring.open.with(|open| open.iter().map(|journal| offer(app, journal, leaving)).collect())
+        // What the report on the page offers already is not offered twice.
+        let reported = app.configure.reported_journal().filter(|_| app.page.get() == Some(Page::Configure));
+        app.configuring.open.with(|open| {
+            let others = open.iter().filter(|journal| reported != Some(journal.id));
+            others.map(|journal| offer(app, journal, leaving)).collect()
+        })
     })
 }
 

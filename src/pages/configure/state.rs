@@ -189,6 +189,11 @@ impl Configure {
         super::focus_soon("configure-work");
     }
 
+    /// The journal that the report on the page is about.
+    pub(super) fn reported_journal(&self) -> Option<u64> {
+        self.report.with(|ended| ended.as_ref().and_then(|ended| ended.outcome.as_ref().ok()?.journal))
+    }
+
     /// How often the connected device was written from here.
     pub(super) fn worn(&self, app: &'static Workbench) -> Option<u64> {
         let target = app.target()?;
