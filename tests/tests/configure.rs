@@ -50,6 +50,7 @@ fn wrote(bytes: &[u8]) -> bool {
 
 /// The page over a sensor that is being polled with the factory's settings, once everything has been read.
 async fn opened<F: FarEnd>(bench: &Bench<F>) -> ConfigurePage<'_> {
+    bench.browser.run("location.hash = '#/live'").await;
     let live = LivePage::open(&bench.browser).await;
     live.connect().await;
     live.wait_for(State::Reading).await;
@@ -475,7 +476,7 @@ async fn unplugged_after_the_write_arrived_the_change_is_undone() {
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]
 async fn a_sensor_whose_settings_nobody_knows_is_found() {
-    let bench = Bench::new(Line::new([preset(&[(0x0030, 77), (0x0031, 6), (0x0032, 1)])], 1)).await;
+    let bench = Bench::new(Line::new([preset(&[(0x0030, 77), (0x0031, 4), (0x0032, 3)])], 1)).await;
     let live = LivePage::open(&bench.browser).await;
     live.connect().await;
     live.wait_for(State::Failing).await;
@@ -484,7 +485,7 @@ async fn a_sensor_whose_settings_nobody_knows_is_found() {
     bench.browser.click("find").await;
     bench.browser.wait_for("document.querySelector('[data-test=run-phase][data-phase=searching]')").await;
     page.wait_for_ending("found").await;
-    page.wait_for_reading_at("57600 8O1 · RTU · unit 77").await;
+    page.wait_for_reading_at("19200 8N1 · RTU · unit 77").await;
     page.wait_for_value("address", "77").await;
 }
 
@@ -521,7 +522,7 @@ async fn the_simulated_sensor_is_configured_like_a_real_one() {
     page.write_all().await;
     page.wait_for_ending("done").await;
     page.wait_for_reading_at("115200 8E1 · ASCII · unit 1").await;
-    assert_eq!(bench.wire().sent(), []);
+    assert!(bench.wire().sent().is_empty());
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -19,8 +19,10 @@ pub(super) fn review_card(app: &'static Workbench) -> El {
     let configure = &app.configure;
     let plan = Memo::new(move |_| configure.plan(app));
     let content = move || {
-        let Some(profile) = configure.device(app).map(crate::device::Device::profile) else { return Vec::new() };
-        let have = configure.have(app, profile);
+        // Everything that matters of them is in the plan.
+        let device = untrack(|| configure.device(app));
+        let Some(profile) = device.map(crate::device::Device::profile) else { return Vec::new() };
+        let have = untrack(|| configure.have(app, profile));
         match plan.get() {
             None => Vec::new(),
             Some((_, Ok(plan))) if plan.steps.is_empty() => nothing(app),
@@ -70,7 +72,10 @@ fn planned(app: &'static Workbench, profile: &'static Profile, plan: &Plan, have
     let mut all = vec![
         el("p").class("cfg-ends").test("review-ends").text(&ends(language, plan)),
         el("ol").class("cfg-steps").children(steps),
-        el("p").class("cfg-about muted").text(&about(app, language, profile, plan)),
+        el("p").class("cfg-about muted").live_text({
+            let (steps, is_lost) = (plan.steps.len(), plan.ends.is_none());
+            move || about(app, profile, steps, is_lost)
+        }),
     ];
     if !plan.hazards.is_empty() {
         all.push(hazards(app, profile, &plan.hazards));
@@ -91,10 +96,10 @@ fn ends(language: Language, plan: &Plan) -> String {
 }
 
 /// Their order, what they cost.
-fn about(app: &'static Workbench, language: Language, profile: &Profile, plan: &Plan) -> String {
-    let is_lost = plan.ends.is_none();
+fn about(app: &'static Workbench, profile: &Profile, steps: usize, is_lost: bool) -> String {
+    let language = app.language.get();
     let order = if is_lost { language.cfg_order_lost() } else { language.cfg_order() };
-    let cost = match plan.steps.len() {
+    let cost = match steps {
         1 => language.cfg_cost_one().to_owned(),
         count => language.cfg_cost(count),
     };
@@ -106,7 +111,7 @@ fn about(app: &'static Workbench, language: Language, profile: &Profile, plan: &
         }
     });
     let mut parts = Vec::new();
-    if plan.steps.len() > 1 || is_lost {
+    if steps > 1 || is_lost {
         parts.push(order.to_owned());
     }
     parts.push(cost);

@@ -208,6 +208,7 @@ impl Configure {
     /// Takes in how something has ended.
     fn take(&self, ended: Ended) {
         let wrote = ended.kind != Kind::Read;
+        let reached = ended.outcome.as_ref().is_ok_and(|report| report.reach.is_some());
         if let Ok(report) = &ended.outcome {
             self.take_values(report);
             if ended.kind == Kind::Apply {
@@ -216,8 +217,10 @@ impl Configure {
         }
         if wrote {
             self.report.set(Some(ended));
-            // Whatever it was, what the device holds now is read again.
-            self.read_for.set(None);
+            if reached {
+                // Whatever it was, what the device holds now is read again.
+                self.read_for.set(None);
+            }
         } else {
             let brought = ended.outcome.as_ref().is_ok_and(|report| report.snapshot.is_some());
             self.read_fault.set((!brought).then_some(ended));

@@ -65,7 +65,16 @@ impl<'a> ConfigurePage<'a> {
 
     /// Types the wanted value of a parameter.
     pub async fn type_value(&self, point: &str, text: &str) {
-        self.browser.fill(&format!("edit-{point}"), text).await;
+        // As one stroke: a field that is emptied and left takes its value back.
+        let script = format!(
+            "const field = document.querySelector('[data-test=edit-{point}]');
+             field.focus();
+             field.value = {text:?};
+             field.dispatchEvent(new Event('input', {{ bubbles: true }}));
+             field.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+        );
+        self.browser.wait_for(&format!("document.querySelector('[data-test=edit-{point}]')")).await;
+        self.browser.run(&script).await;
     }
 
     /// What stands in a parameter's editor.
