@@ -55,10 +55,14 @@ pub(crate) fn factory(language: Language, profile: &Profile, point: &Point, have
     Some(words::value(language, profile, point, &registers, have))
 }
 
-/// What is allowed, in a few words: `1 to 247`. Empty where nothing limits it but its encoding.
-pub(crate) fn range(language: Language, point: &Point) -> String {
+/// What is allowed, in a few words: `allowed: 1 to 247`, the unit, the smallest step. Empty where nothing is to be said.
+pub(crate) fn range(language: Language, point: &Point, held: &Held) -> String {
     let limits = point.range.map(|limits| (limits.first.to_string(), limits.last.to_string()));
-    limits.map(|(first, last)| language.cfg_unfit_range(&signed(&first), &signed(&last))).unwrap_or_default()
+    let limits = limits.map(|(first, last)| language.cfg_unfit_range(&signed(&first), &signed(&last)));
+    let unit = Some(held.unit.as_str()).filter(|unit| !unit.is_empty()).map(|unit| language.cfg_unit_in(unit));
+    let decimals = held.text.split_once('.').filter(|_| held.is_value).map_or(0, |(_, digits)| digits.len());
+    let step = (decimals > 0).then(|| language.cfg_step_is(&["0.", &"0".repeat(decimals - 1), "1"].concat()));
+    limits.into_iter().chain(unit).chain(step).collect::<Vec<_>>().join(" \u{B7} ")
 }
 
 /// The codes that can be chosen, each as it is typed, with its name.
@@ -137,6 +141,7 @@ mod tests {
         );
         let held = Held::of(Language::En, profile, point, Some(&have));
         assert_eq!((held.text.as_str(), held.unit.as_str()), ("\u{2212}0.001", "kPa"));
+        assert_eq!(range(Language::En, point, &held), "in kPa \u{B7} in steps of 0.001");
         assert_eq!(factory(Language::En, profile, point, &have).as_deref(), Some("0.000 kPa"));
     }
 

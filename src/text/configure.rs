@@ -45,6 +45,7 @@ texts! {
     cfg_unfit_not_writable => "this can only be read" | "该参数只能读取";
     cfg_unfit_number(unit: &str) => "a number is needed {unit}" | "需要数值 {unit}";
     cfg_unit_in(unit: &str) => "in {unit}" | "单位 {unit}";
+    cfg_step_is(step: &str) => "in steps of {step}" | "步长 {step}";
     cfg_unfit_range(first: &str, last: &str) => "allowed: {first} to {last}" | "允许范围：{first} 到 {last}";
     cfg_unfit_large => "more than its registers can hold" | "超出其寄存器可表示的范围";
     cfg_unfit_fine(decimals: u8) => "at most {decimals} digits behind the point" | "小数点后最多 {decimals} 位";

@@ -8,7 +8,7 @@ use super::state::Wish;
 use crate::components::button::button;
 use crate::components::icon::{Icon, icon};
 use crate::configure::words;
-use crate::dom::{El, el};
+use crate::dom::{self, El, el};
 use crate::format::{self, hex_spaced};
 use crate::reactive::prelude::*;
 use crate::text::Language;
@@ -33,6 +33,11 @@ pub(super) fn review_card(app: &'static Workbench) -> El {
     el("section")
         .class("card cfg-work")
         .test("review-card")
+        .on("keydown", move |event| {
+            if dom::key(&event) == "Escape" {
+                configure.reviewing.set(None);
+            }
+        })
         .child(
             el("header").child(
                 el("h2").attr("id", "configure-work").attr("tabindex", "-1").say(app, Language::cfg_review_title),

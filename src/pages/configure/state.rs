@@ -217,6 +217,8 @@ impl Configure {
         }
         if wrote {
             self.report.set(Some(ended));
+            // What stood there has gone, and the focus with it.
+            super::focus_soon("configure-work");
             if reached {
                 // Whatever it was, what the device holds now is read again.
                 self.read_for.set(None);

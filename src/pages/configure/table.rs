@@ -233,7 +233,7 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
         .child(el("td").class("cfg-register").child(el("code").text(&register)))
         .child(now)
         .child(el("td").class("number cfg-factory").live_one(mark).child(el("span").live_text(factory)))
-        .child(el("td").class("cfg-editor").child(editor(app, device, point, verdicts)))
+        .child(el("td").class("cfg-editor").child(editor(app, device, point, (held, verdicts))))
 }
 
 /// What a write can cost, as a mark with words.
@@ -248,7 +248,12 @@ pub(super) fn danger_mark(app: &'static Workbench, danger: Danger) -> Option<El>
 }
 
 /// Where the wanted value is chosen or typed.
-fn editor(app: &'static Workbench, device: &'static Device, point: &'static Point, verdicts: Memo<Verdicts>) -> El {
+fn editor(
+    app: &'static Workbench,
+    device: &'static Device,
+    point: &'static Point,
+    (held, verdicts): (Memo<Held>, Memo<Verdicts>),
+) -> El {
     if point.write.is_empty() {
         return el("span").class("muted").say(app, Language::cfg_only_read);
     }
@@ -260,7 +265,7 @@ fn editor(app: &'static Workbench, device: &'static Device, point: &'static Poin
         let why = verdicts.with(|all| all.refusal(&point.id).map(|refusal| refusal.why.clone()));
         match why {
             Some(why) => words::unfit(language, profile, &point.id, &why),
-            None if point.codes.is_empty() => row::range(language, point),
+            None if point.codes.is_empty() => held.with(|held| row::range(language, point, held)),
             None => String::new(),
         }
     };
