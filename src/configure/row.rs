@@ -20,6 +20,8 @@ pub(crate) struct Held {
     pub(crate) registers: String,
     /// Whether it is as it leaves the factory, if that is known.
     pub(crate) factory: Option<bool>,
+    /// What is to be known of the value.
+    pub(crate) note: Option<&'static str>,
 }
 
 impl Held {
@@ -37,6 +39,7 @@ impl Held {
             unit: shown.as_ref().map_or_else(String::new, |shown| shown.unit.clone()),
             registers: words::registers(registers),
             factory: shown.as_ref().and_then(|shown| shown.factory),
+            note: shown.filter(|shown| !shown.scaled).map(|_| language.cfg_not_scaled()),
         }
     }
 }
@@ -143,6 +146,15 @@ mod tests {
         assert_eq!((held.text.as_str(), held.unit.as_str()), ("\u{2212}0.001", "kPa"));
         assert_eq!(range(Language::En, point, &held), "in kPa \u{B7} in steps of 0.001");
         assert_eq!(factory(Language::En, profile, point, &have).as_deref(), Some("0.000 kPa"));
+    }
+
+    #[test]
+    fn a_value_without_its_scale_says_so() {
+        let profile = device::find("level").profile();
+        let point = profile.point("range_full").unwrap();
+        let have = have(profile, &[("range_full", Read::Registers(vec![10_000]))]);
+        let held = Held::of(Language::En, profile, point, Some(&have));
+        assert_eq!((held.text.as_str(), held.note), ("10000", Some(Language::En.cfg_not_scaled())));
     }
 
     #[test]

@@ -9,14 +9,12 @@ texts! {
     cfg_reading => "Reading…" | "正在读取…";
     cfg_read_at(time: &str) => "read at {time}" | "{time} 读取";
     cfg_never_read => "not read yet" | "尚未读取";
-    cfg_of_file(name: &str) => "from “{name}”" | "来自“{name}”";
     cfg_point => "Parameter" | "参数";
     cfg_register => "Register" | "寄存器";
     cfg_now => "Now" | "当前值";
     cfg_factory => "Factory" | "出厂值";
     cfg_wanted => "New value" | "新值";
     cfg_differs => "differs from the factory default" | "与出厂默认值不同";
-    cfg_as_factory => "as it left the factory" | "与出厂默认值相同";
     cfg_only_read => "read only" | "只读参数";
     cfg_unchanged => "unchanged" | "不修改";
     cfg_revert => "Revert" | "还原";
@@ -65,10 +63,6 @@ texts! {
     cfg_review_title => "Review before writing" | "写入前确认";
     cfg_review_none => "Nothing would be written: the device holds all of this already." | "无需写入：设备中已经是这些值。";
     cfg_review_faults => "Nothing can be written until this is right:" | "以下问题解决之前不能写入：";
-    cfg_step_number => "Step" | "步骤";
-    cfg_change => "Change" | "修改";
-    cfg_effect => "Afterwards" | "写入之后";
-    cfg_frames => "Frames" | "报文";
     cfg_request => "request" | "请求";
     cfg_reply => "expected reply" | "预期应答";
     cfg_reply_none => "nobody answers a broadcast" | "广播无应答";
@@ -114,7 +108,6 @@ texts! {
     cfg_store_unavailable => "The browser lets this page keep nothing (a private window, or a setting). Before the first write the way back is kept, so nothing is written. Open the page in an ordinary window." | "浏览器不允许本页保存数据（隐私模式或相关设置）。写入前必须先保存恢复记录，因此不会写入。请在普通窗口中打开本页。";
     cfg_store_full => "There is no room left on the disk to keep the way back, so nothing is written. Make room, then try again." | "磁盘空间不足，无法保存恢复记录，因此不会写入。请清理空间后重试。";
     cfg_store_other(words: &str) => "The way back cannot be kept, so nothing is written. The browser says: {words}" | "无法保存恢复记录，因此不会写入。浏览器报告：{words}";
-    cfg_blocked_faults => "Correct what is marked first." | "请先改正标出的内容。";
     cfg_simulated => "simulated device: nothing real is written" | "模拟设备：不会写入真实设备";
     cfg_allow_writes => "Allow writing" | "允许写入";
     cfg_not_connected => "Connect the device to read its parameters." | "连接设备后读取其参数。";
@@ -176,7 +169,6 @@ texts! {
 
     cfg_done => "Done" | "已完成";
     cfg_done_what => "Everything is as it was wanted: read back where it can be read, acknowledged where not." | "全部按要求完成：可回读的已回读确认，不可回读的设备已确认。";
-    cfg_read_done => "Parameters read" | "参数已读取";
     cfg_unproven => "Sent, but not proven" | "已发送，但未能证实";
     cfg_unproven_what(name: &str) => "No reply to {name} came, and it cannot be read back: it may or may not have been carried out. It was not repeated." | "{name} 没有收到应答，也无法回读，可能已执行也可能没有执行。未重复发送。";
     cfg_unproven_tip => "Look at the reading: if it has not changed, send the command again." | "请查看读数：如无变化，可再次发送该命令。";
@@ -234,14 +226,11 @@ texts! {
     cfg_sent => "sent" | "发送";
     cfg_heard => "heard" | "收到";
     cfg_heard_nothing => "nothing" | "无";
-    cfg_command => "command" | "命令";
-    cfg_old_unknown => "not read" | "未读取";
 
     cfg_banner_title => "A change of a device was not finished" | "有未完成的设备修改";
     cfg_banner_what(device: &str, reach: &str, when: &str) => "{device} at {reach}, begun {when}:" | "{device}，{reach}，开始于 {when}：";
     cfg_banner_steps(sent: usize, all: usize) => "{sent} of {all} steps may have been written." | "{all} 个步骤中可能已写入 {sent} 个。";
     cfg_banner_connect => "Connect the adapter at any settings: the device is searched where it may be." | "请先以任意设置连接适配器：本页会在可能的位置搜索设备。";
-    cfg_banner_elsewhere => "Another tab with this page is working on it." | "另一个标签页正在处理。";
     cfg_finish => "Find and finish" | "找到并完成";
     cfg_undo_journal => "Find and undo" | "找到并撤销";
     cfg_leave => "Leave it" | "不再处理";

@@ -223,7 +223,12 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
         .live_class("muted", move || held.with(|held| !held.is_value))
         .child(el("span").test("value").live_text(move || held.with(|held| held.text.clone())))
         .child(el("span").class("cfg-unit").live_text(move || held.with(|held| held.unit.clone())))
-        .child(el("code").class("cfg-raw").live_text(move || held.with(|held| held.registers.clone())));
+        .child(el("code").class("cfg-raw").live_text(move || held.with(|held| held.registers.clone())))
+        .child(
+            el("small")
+                .class("cfg-about-value")
+                .live_text(move || held.with(|held| held.note).unwrap_or_default().to_owned()),
+        );
     let register = format!("0x{:04X}", point.register);
     el("tr")
         .test(&["parameter-", &point.id].concat())
