@@ -312,12 +312,15 @@ fn build() {
         focus_content();
     }));
     let content = el("main").class("content").attr("id", "content").attr("tabindex", "-1");
+    // The workbench tells here what was left half done, if the page was closed amidst a change of a device.
+    let content = content.child(el("div").attr("id", "notices"));
     let content = content.live_one(move || {
         Some(match page.get() {
             Page::Live => live_page(app),
             page => {
                 let place = loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None));
-                if page == Page::Console { connect_above(app).child(place) } else { place }
+                let needs_port = matches!(page, Page::Console | Page::Configure);
+                if needs_port { connect_above(app).child(place) } else { place }
             }
         })
     });
@@ -327,6 +330,9 @@ fn build() {
         (app.help.get() > 0).then(|| loader::place(app, chosen, ToWorkbench::Help(None)))
     };
     mount(el("div").class("app").child(rail(app)).child(top_bar(app)).child(content).live_one(help));
+    if storage::load("journal").is_some_and(|kept| !kept.is_empty()) {
+        loader::load(app);
+    }
 }
 
 /// Drives what changes with time alone: ages and the moving strip.

@@ -127,6 +127,15 @@ impl El {
         self
     }
 
+    /// Ticks a box, or not, as signals say.
+    pub(crate) fn live_checked(self, mut on: impl FnMut() -> bool + 'static) -> Self {
+        let tick = self.0.clone();
+        react(move || {
+            let _ = Reflect::set(&tick, &"checked".into(), &on().into());
+        });
+        self
+    }
+
     /// Listens to an event.
     pub(crate) fn on(self, event: &str, act: impl FnMut(Event) + 'static) -> Self {
         listen(&self.0, event, Box::new(act));

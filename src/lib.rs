@@ -13,6 +13,7 @@ mod app;
 mod builder;
 mod clipboard;
 mod components;
+mod configure;
 mod configuring;
 mod console;
 mod crash;

@@ -94,7 +94,8 @@ fn failure(app: &'static App) -> El {
     el("section").class("alert").attr("role", "alert").test("loading-failed").child(icon(Icon::Fault)).child(what)
 }
 
-fn load(app: &'static App) {
+/// Loads it.
+pub(crate) fn load(app: &'static App) {
     app.workbench.set(Loading::Coming);
     spawn_local(async move {
         let loaded = match import_workbench() {

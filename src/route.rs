@@ -19,6 +19,8 @@ pub(crate) enum Page {
     Profiles,
     /// `#/console`, or `#/console?send=HEX` with bytes to be sent.
     Console,
+    /// `#/configure`.
+    Configure,
 }
 
 impl Page {
@@ -29,6 +31,7 @@ impl Page {
             "builder" => Self::Builder,
             "console" => Self::Console,
             "profiles" => Self::Profiles,
+            "configure" => Self::Configure,
             _ => Self::Live,
         }
     }
@@ -172,8 +175,9 @@ mod tests {
     }
 
     #[test]
-    fn the_builder_has_an_address() {
+    fn pages_have_addresses() {
         assert_eq!(Page::of("#/builder"), Page::Builder);
+        assert_eq!(Page::of("#/configure"), Page::Configure);
     }
 
     #[test]

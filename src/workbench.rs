@@ -17,8 +17,9 @@ use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
 use crate::pages::{
-    Console, Decoder, Handling, Profiles, builder_page, console_page, decoder_page, exchange_halves, handling,
-    help_sheet, listen_at_console, listen_at_profiles, marks, open_help, profiles_page,
+    Configure, Console, Decoder, Handling, Profiles, banner, builder_page, configure_page, console_page, decoder_page,
+    exchange_halves, follow_configuring, handling, help_sheet, listen_at_console, listen_at_profiles, marks, open_help,
+    profiles_page,
 };
 use crate::profiles;
 use crate::reactive::prelude::*;
@@ -30,7 +31,7 @@ use crate::text::Language;
 pub(crate) struct Workbench {
     ambient: Ambient,
     /// The page shown, if it is one of this program's.
-    page: RwSignal<Option<Page>>,
+    pub(crate) page: RwSignal<Option<Page>>,
     /// The last exchange of the Live page, while it is shown.
     pub(crate) exchange: RwSignal<Option<Exchange>>,
     /// What can be done with the device on the Live page.
@@ -43,6 +44,8 @@ pub(crate) struct Workbench {
     pub(crate) console: Console,
     /// What is done to devices.
     pub(crate) configuring: Configuring,
+    /// The Configure page's state.
+    pub(crate) configure: Configure,
     /// The Decoder page's state.
     pub(crate) decoder: Decoder,
     /// The Profiles page's state.
@@ -77,6 +80,7 @@ impl Workbench {
             to_send: route::follow_send(),
             console: Console::remembered(),
             configuring: Configuring::new(),
+            configure: Configure::remembered(),
             decoder: Decoder::remembered(),
             profiles: Profiles::remembered(),
             sums: RwSignal::new(None),
@@ -227,6 +231,10 @@ fn start(language: Language, beside: JsValue) {
         listen_at_profiles(state, || state.page.get_untracked() == Some(Page::Profiles));
         state.follow_line();
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
+        follow_configuring(state);
+        if let Some(place) = document().get_element_by_id("notices") {
+            banner(state).handle().move_into(&place);
+        }
         let content = |build: fn(&'static Workbench) -> Option<El>| {
             el("div").class("contents").live_one(move || build(state)).handle()
         };
@@ -237,6 +245,7 @@ fn start(language: Language, beside: JsValue) {
                 Page::Builder => builder_page(state),
                 Page::Console => console_page(state),
                 Page::Profiles => profiles_page(state),
+                Page::Configure => configure_page(state),
             })
         });
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));

@@ -5,6 +5,7 @@
 
 mod anatomy;
 mod builder;
+mod configure;
 mod console;
 mod decoder;
 mod desk;
@@ -104,6 +105,7 @@ mod tests {
             desk::ALL,
             builder::ALL,
             handling::ALL,
+            configure::ALL,
             console::ALL,
             sequence::ALL,
             profiles::ALL,

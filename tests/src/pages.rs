@@ -1,6 +1,7 @@
 //! Page objects: what a user can do on a page and see there, so that tests speak of sensors and not of elements.
 
 mod builder;
+mod configure;
 mod console;
 mod decoder;
 mod handling;
@@ -10,6 +11,7 @@ mod profiles;
 mod sequence;
 
 pub use builder::BuilderPage;
+pub use configure::ConfigurePage;
 pub use console::ConsolePage;
 pub use decoder::DecoderPage;
 pub use handling::{Handling, is_read_only, set_read_only};

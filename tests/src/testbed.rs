@@ -7,6 +7,7 @@ mod developer;
 mod independent;
 mod memory;
 mod pty;
+mod struck;
 mod wire;
 
 pub use adapter::{Adapter, CH340};
@@ -16,6 +17,7 @@ pub use developer::Withheld;
 pub use independent::{Registers, Relay};
 pub use memory::Held;
 pub use pty::Pty;
+pub use struck::{Strike, Struck};
 pub use wire::{FarEnd, Wire};
 
 /// Address of the built page, as served by `cargo xtask test`.

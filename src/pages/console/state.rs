@@ -127,7 +127,7 @@ impl Console {
     }
 
     /// Sends an order to the engine, by way of the worker.
-    pub(super) fn order(&self, order: ToLine) {
+    pub(crate) fn order(&self, order: ToLine) {
         self.tell(ToConsole::Line(order));
     }
 

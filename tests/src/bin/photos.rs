@@ -2,12 +2,14 @@
 //! people: `photos <address of the site> <folder>`. A new page adds its states to [`SCENES`].
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use std::{env, fs};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
 use buslens_tests::pages::{
-    BuilderPage, ConsolePage, DecoderPage, Handling, HelpSheet, LivePage, ProfilesPage, State, set_read_only,
+    BuilderPage, ConfigurePage, ConsolePage, DecoderPage, Handling, HelpSheet, LivePage, ProfilesPage, State,
+    set_read_only,
 };
 use buslens_tests::testbed::{Bench, Browser, Look};
 
@@ -44,11 +46,17 @@ enum Scene {
     HelpLvdt,
     HelpGauge,
     HelpLevel,
+    ConfigureTable,
+    ConfigureStaged,
+    ConfigureReview,
+    ConfigureDone,
+    ConfigureLost,
+    ConfigureJournal,
     Crash,
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 28] = [
+const SCENES: [(&str, Scene); 34] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-level", Scene::LiveLevel),
@@ -76,6 +84,12 @@ const SCENES: [(&str, Scene); 28] = [
     ("help-lvdt", Scene::HelpLvdt),
     ("help-gauge", Scene::HelpGauge),
     ("help-level", Scene::HelpLevel),
+    ("configure-table", Scene::ConfigureTable),
+    ("configure-staged", Scene::ConfigureStaged),
+    ("configure-review", Scene::ConfigureReview),
+    ("configure-done", Scene::ConfigureDone),
+    ("configure-lost", Scene::ConfigureLost),
+    ("configure-journal", Scene::ConfigureJournal),
     ("crash", Scene::Crash),
 ];
 
@@ -200,6 +214,12 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
         Scene::HelpLvdt => open_help(browser, "lvdt").await,
         Scene::HelpGauge => open_help(browser, "gauge-cable").await,
         Scene::HelpLevel => open_help(browser, "level").await,
+        Scene::ConfigureTable
+        | Scene::ConfigureStaged
+        | Scene::ConfigureReview
+        | Scene::ConfigureDone
+        | Scene::ConfigureLost
+        | Scene::ConfigureJournal => set_configure(bench, site, scene).await,
         Scene::Crash => {
             browser.open(site).await;
             LivePage::open(browser).await;
@@ -315,6 +335,59 @@ async fn set_console(browser: &Browser, site: &str, scene: Scene) {
             page.drop_file("bench.log", FRAMES).await;
             page.wait_for_count("8").await;
             page.choose_row(5).await;
+        }
+        _ => {}
+    }
+}
+
+/// Brings the Configure page into a scene. They follow each other.
+async fn set_configure(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
+    let browser = &bench.browser;
+    let page = ConfigurePage { browser };
+    match scene {
+        Scene::ConfigureTable => {
+            browser.open(&format!("{site}/#/live")).await;
+            let live = LivePage::open(browser).await;
+            live.set_line(9600, Parity::Even).await;
+            live.connect().await;
+            live.wait_for(State::Reading).await;
+            ConfigurePage::open_at(browser, site).await.wait_until_read().await;
+        }
+        Scene::ConfigureStaged => {
+            page.choose("baud", 7).await;
+            page.choose("sample_rate", 6).await;
+            page.type_value("address", "300").await;
+            page.refusal("address").await;
+        }
+        Scene::ConfigureReview => {
+            page.type_value("address", "12").await;
+            page.choose("baud", 1).await;
+            page.review().await;
+        }
+        Scene::ConfigureDone => {
+            browser.click("review-back").await;
+            page.type_value("address", "1").await;
+            page.choose("baud", 7).await;
+            page.write_all().await;
+            page.wait_for_ending("done").await;
+            page.wait_until_read().await;
+        }
+        Scene::ConfigureLost => {
+            browser.click("report-close").await;
+            page.choose("parity", 3).await;
+            let from = bench.wire().sent().len();
+            page.write_all().await;
+            let write = [0x10, 0x00, 0x32];
+            let has_written = |sent: &[u8]| sent.windows(write.len()).any(|window| window == write);
+            bench.wire().wait_for_sent(from, Duration::from_secs(30), has_written);
+            bench.wire().with(|line, _| line.faults.lost_replies = u32::MAX);
+            page.wait_for_ending("lost").await;
+        }
+        Scene::ConfigureJournal => {
+            browser.run("location.hash = '#/live'").await;
+            browser.reload().await;
+            bench.wire().with(|line, _| line.faults.lost_replies = 0);
+            page.wait_for_journal().await;
         }
         _ => {}
     }
