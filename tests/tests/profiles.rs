@@ -115,8 +115,7 @@ async fn a_profile_that_nobody_built_in_reads_a_server_that_nobody_here_wrote() 
         bench.browser.wait_for(&shown).await;
     }
     assert!(live.is_faultless().await);
-    // The exchange is explained with the names of the profile.
-    bench.browser.wait_for("document.querySelector('.exchange')?.innerText.includes('Temperature')").await;
+    bench.browser.wait_for("document.querySelector('.exchange')?.innerText.includes('read discrete inputs')").await;
     assert_eq!(bench.browser.complaints().await, [""; 0]);
 }
 
