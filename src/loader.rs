@@ -54,6 +54,13 @@ pub(crate) fn follow(app: &'static App) {
         send(&ToWorkbench::Language(language), &JsValue::UNDEFINED);
     });
     react(move || {
+        // A chosen device whose profile is gone for good: not one whose file is still to be read, nor the connected one.
+        let is_read = app.workbench.get() == Loading::There || storage::load(OWN_PROFILES).is_none();
+        if is_read && app.settings.known_device().is_none() {
+            app.settings.device.set(device::first().id().to_owned());
+        }
+    });
+    react(move || {
         let used = app.connection.get().filter(|_| app.phase.get().is_connected());
         let unit = used.as_ref().map_or(0, |used| used.unit.0);
         let device = used.and_then(|used| device::of_packed(&used.profile));
@@ -105,7 +112,7 @@ pub(crate) fn load(app: &'static App) {
         let Ok(program) = loaded else { return app.workbench.set(Loading::Failed) };
         PROGRAM.with_borrow_mut(|slot| *slot = Some(program.unchecked_into()));
         let tell = Closure::<dyn Fn(String)>::new(|details: String| crash::report(&details));
-        let own = Closure::<dyn Fn(Vec<u8>)>::new(move |packed: Vec<u8>| take_own(app, &packed));
+        let own = Closure::<dyn Fn(Vec<u8>)>::new(|packed: Vec<u8>| take_own(&packed));
         let beside = Array::of3(tell.as_ref(), &link::worker(), own.as_ref());
         send(&ToWorkbench::Start(app.language.get_untracked()), &beside);
         tell.forget();
@@ -115,12 +122,9 @@ pub(crate) fn load(app: &'static App) {
 }
 
 /// The user's own devices as the workbench has read them: a list of packed profiles, packed.
-fn take_own(app: &'static App, packed: &[u8]) {
+fn take_own(packed: &[u8]) {
     let all: Vec<Vec<u8>> = postcard::from_bytes(packed).unwrap_or_default();
     device::set_own(all.into_iter().map(|packed| (String::new(), packed)).collect());
-    if untrack(|| app.settings.known_device()).is_none() {
-        app.settings.device.set(device::first().id().to_owned());
-    }
 }
 
 /// Sends a message with what comes beside it.

@@ -39,10 +39,19 @@ const STATION: &str = r#"{
     { "id": "serial", "name": { "en": "Serial number", "zh": "序列号" }, "register": 16, "encoding": { "type": "text", "registers": 3 },
       "read": [3], "role": "measurement" },
     { "id": "temperature", "name": { "en": "Temperature", "zh": "温度" }, "register": 0, "encoding": { "type": "i16", "decimals": 1, "order": "BADC" },
-      "read": [4], "unit": "°C", "role": "measurement" }
+      "read": [4], "unit": "°C", "role": "measurement" },
+    { "id": "cabinet", "name": { "en": "Cabinet", "zh": "机箱温度" }, "register": 1, "encoding": { "type": "u16" },
+      "scale": 0.1, "offset": -40, "read": [4], "unit": "°C", "role": "measurement" },
+    { "id": "heater", "name": { "en": "Heater", "zh": "加热器" }, "register": 7, "encoding": { "type": "code" },
+      "read": [1], "write": [5], "role": "measurement",
+      "codes": [ { "code": "0xFF00", "name": { "en": "on", "zh": "开" } }, { "code": 0, "name": { "en": "off", "zh": "关" } } ] },
+    { "id": "door", "name": { "en": "Door", "zh": "柜门" }, "register": 3, "encoding": { "type": "code" },
+      "read": [2], "role": "measurement",
+      "codes": [ { "code": "0xFF00", "name": { "en": "open", "zh": "打开" } }, { "code": 0, "name": { "en": "shut", "zh": "关闭" } } ] }
   ],
   "groups": [
-    { "function": 3, "address": 0, "quantity": 15 }
+    { "function": 3, "address": 0, "quantity": 15 },
+    { "function": 4, "address": 0, "quantity": 2 }
   ],
   "examples": [
     { "point": "wind", "registers": ["0x0000", "0x4148"], "text": "12.5" },
@@ -57,7 +66,8 @@ fn station() -> Registers {
     let pressure: Vec<u16> = pressure.chunks(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect();
     // Minus 12 m with the last byte first.
     let height = (-12_i32).to_le_bytes();
-    Registers { unit: 42, ..Registers::default() }
+    let (coils, discrete) = (BTreeMap::from([(7, true)]), BTreeMap::from([(3, false)]));
+    Registers { unit: 42, coils, discrete, ..Registers::default() }
         .hold(0, &[0x0000, 0x4148])
         .hold(2, &[0x0001, 0x86A1])
         .hold(4, &[u16::from_be_bytes([height[0], height[1]]), u16::from_be_bytes([height[2], height[3]])])
@@ -65,11 +75,11 @@ fn station() -> Registers {
         .hold(10, &[0x0003, 0x0002, 0x0001, 0x0000])
         .hold(14, &[0xF8FF])
         .hold(16, &[0x5753, 0x392D, 0x3037])
-        .input(0, &[u16::from_be_bytes((-55_i16).to_le_bytes())])
+        .input(0, &[u16::from_be_bytes((-55_i16).to_le_bytes()), 655])
 }
 
 /// Every reading of the station in the page's words.
-const READINGS: [(&str, &str); 8] = [
+const READINGS: [(&str, &str); 11] = [
     ("wind", "12.5 m/s"),
     ("rain", "10000.1 mm"),
     ("height", "−12 m"),
@@ -78,6 +88,9 @@ const READINGS: [(&str, &str); 8] = [
     ("sky", "overcast"),
     ("serial", "WS9-07"),
     ("temperature", "−5.5 °C"),
+    ("cabinet", "25.5 °C"),
+    ("heater", "on"),
+    ("door", "shut"),
 ];
 
 #[tokio::test(flavor = "multi_thread")]
@@ -102,8 +115,7 @@ async fn a_profile_that_nobody_built_in_reads_a_server_that_nobody_here_wrote() 
         bench.browser.wait_for(&shown).await;
     }
     assert!(live.is_faultless().await);
-    // The exchange is explained with the names of the profile.
-    bench.browser.wait_for("document.querySelector('.exchange')?.innerText.includes('Temperature')").await;
+    bench.browser.wait_for("document.querySelector('.exchange')?.innerText.includes('read discrete inputs')").await;
     assert_eq!(bench.browser.complaints().await, [""; 0]);
 }
 

@@ -3,7 +3,7 @@
 use buslens_codec::profile::ProfileError;
 
 use super::shelf::name_of;
-use super::state::Taken;
+use super::state::{Owner, Taken};
 use super::{form, state};
 use crate::components::button::{bare, button};
 use crate::components::icon::{Icon, icon};
@@ -180,10 +180,10 @@ fn delete_question(app: &'static Workbench, language: Language) -> El {
 fn taken_id(app: &'static Workbench, language: Language, id: &str, taken: &Taken) -> El {
     let profiles = &app.profiles;
     let owner = match taken.by {
-        Some(key) => profiles.own.with_untracked(|all| {
+        Owner::Own(key) => profiles.own.with_untracked(|all| {
             all.iter().find(|file| file.key == key).map(|file| name_of(language, file)).unwrap_or_default()
         }),
-        None => {
+        Owner::BuiltIn => {
             let device = crate::device::built_in().iter().find(|device| device.id() == id);
             device.map(|device| device.name(language).to_owned()).unwrap_or_default()
         }
@@ -191,9 +191,13 @@ fn taken_id(app: &'static Workbench, language: Language, id: &str, taken: &Taken
     let free = taken.free.clone();
     let other =
         bare("small", "profile-use-id").text(&language.profile_use_id(&free)).click(move || profiles.use_id(&free));
-    let replace = taken.by.map(|key| {
-        button(app, "small", "profile-replace", Language::profile_replace).click(move || profiles.save_in_place_of(key))
-    });
+    let replace = match taken.by {
+        Owner::BuiltIn => None,
+        Owner::Own(key) => Some(
+            button(app, "small", "profile-replace", Language::profile_replace)
+                .click(move || profiles.save_in_place_of(key)),
+        ),
+    };
     el("div")
         .class("profile-line")
         .attr("data-kind", "bad")

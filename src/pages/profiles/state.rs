@@ -48,10 +48,17 @@ pub(super) struct Loaded {
 /// Who has an id already.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Taken {
-    /// The key of the user's own file; `None` for a built-in profile.
-    pub(super) by: Option<u32>,
+    pub(super) by: Owner,
     /// One that is free.
     pub(super) free: String,
+}
+
+/// Whose id it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Owner {
+    BuiltIn,
+    /// The user's own file with this key.
+    Own(u32),
 }
 
 /// What came of an action.
@@ -345,13 +352,13 @@ fn taken(all: &[File], mine: Option<u32>, id: &str) -> Option<Taken> {
     Some(Taken { by, free: free_id(all, mine, id) })
 }
 
-fn owner(all: &[File], mine: Option<u32>, id: &str) -> Option<Option<u32>> {
+fn owner(all: &[File], mine: Option<u32>, id: &str) -> Option<Owner> {
     if device::built_in().iter().any(|device| device.id() == id) {
-        return Some(None);
+        return Some(Owner::BuiltIn);
     }
     let others = all.iter().filter(|file| Some(file.key) != mine);
     let mut saved = others.filter_map(|file| Some((file.key, saved_id(file.saved.as_deref()?)?)));
-    saved.find(|(_, other)| other == id).map(|(key, _)| Some(key))
+    saved.find(|(_, other)| other == id).map(|(key, _)| Owner::Own(key))
 }
 
 fn free_id(all: &[File], mine: Option<u32>, id: &str) -> String {
@@ -395,7 +402,7 @@ mod tests {
         let again = profile(&numbered(&copy, &loaded.id, &again).unwrap());
         assert_eq!((again.id, again.name.zh), ([&first.id, "-3"].concat(), [&first.name.zh, " (3)"].concat()));
         assert_eq!(taken(&[file.clone()], Some(1), &loaded.id), None);
-        assert_eq!(taken(&[file], None, &loaded.id).unwrap().by, Some(1));
-        assert_eq!(taken(&[], None, &first.id).unwrap(), Taken { by: None, free });
+        assert_eq!(taken(&[file], None, &loaded.id).unwrap().by, Owner::Own(1));
+        assert_eq!(taken(&[], None, &first.id).unwrap(), Taken { by: Owner::BuiltIn, free });
     }
 }

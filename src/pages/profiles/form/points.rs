@@ -347,7 +347,7 @@ fn details(app: &'static Workbench, path: &str) -> El {
         Memo::new(move |_| of_tree(app, |tree| tree.get(&path).to_owned()))
     };
     let codes = join(path, "codes");
-    let coded = {
+    let has_table = {
         let codes = codes.clone();
         Memo::new(move |_| {
             let has_codes = app.profiles.tree.with(|tree| tree.as_ref().is_some_and(|tree| tree.has(&codes)));
@@ -383,7 +383,7 @@ fn details(app: &'static Workbench, path: &str) -> El {
         .child(block(all(WRITING)))
         .child(block(texts(app, &join(path, "consequence"), Language::of_consequence).into()))
         .live_one(move || {
-            coded.get().then(|| {
+            has_table.get().then(|| {
                 el("div").class("profile-codes").child(el("h4").say(app, Language::of_codes)).child(entries(
                     app,
                     codes.clone(),
