@@ -8,7 +8,7 @@ mod run;
 mod shown;
 mod words;
 
-use buslens_codec::profile::{Point, Role};
+use buslens_codec::profile::{Danger, Point, Role};
 
 use crate::device::{self, Device};
 use crate::dom::{El, el};
@@ -138,7 +138,9 @@ fn parameter(app: &'static Workbench, device: &'static Device, point: &'static P
 
 /// What users must know of single points, and, folded, of the device as a whole.
 fn notes(app: &'static Workbench, device: &'static Device) -> Vec<El> {
-    let told = |point: &&Point| matches!(point.role, Role::Measurement | Role::Command);
+    // Of a command that can lose settings its question tells everything.
+    let told =
+        |point: &&Point| matches!(point.role, Role::Measurement | Role::Command) && point.danger != Danger::Danger;
     let points = device.profile().points.iter().filter(told);
     let notes: Vec<El> = points
         .filter_map(|point| Some((point, point.note.as_ref()?)))

@@ -6,6 +6,7 @@ use buslens_codec::profile::Profile;
 use buslens_configure::{Edit, Ending, Hazard, Plan, Reach, Report, Snapshot, StepOutcome};
 
 use super::{Command, marks, words};
+use crate::anatomy::request_in;
 use crate::components::button::button;
 use crate::components::icon::{Icon, icon};
 use crate::device::{self, Device};
@@ -234,9 +235,9 @@ fn told(app: &'static Workbench, language: Language, device: &'static Device, ru
     let mark = if verdict == Verdict::Done { Icon::Done } else { Icon::Fault };
     let mut all = vec![line(Some(mark), &text).child(dismiss)];
     all.extend(tip.map(|tip| el("p").class("tip").text(tip)));
-    // The command's own exchange: what looks for the device afterwards is the log's affair.
+    // The command's own exchange: what looks for the device before and afterwards is the log's affair.
     let steps = outcome.as_ref().as_ref().map(|report| report.steps.as_slice()).unwrap_or_default();
-    if let Some(exchange) = steps.iter().find_map(|step| step.exchanges.first()) {
+    if let Some(exchange) = steps.iter().flat_map(|step| &step.exchanges).find(|exchange| writes(exchange)) {
         let frames = Frames { sent: exchange.sent.clone(), received: exchange.heard.clone() };
         let exchange = Exchange { device: run.device.clone(), mode: exchange.reach.mode, frames };
         all.push(
@@ -248,6 +249,10 @@ fn told(app: &'static Workbench, language: Language, device: &'static Device, ru
         );
     }
     all
+}
+
+fn writes(exchange: &buslens_configure::Exchange) -> bool {
+    request_in(&exchange.sent, exchange.reach.mode).is_some_and(|(_, request)| request.is_write())
 }
 
 impl Verdict {

@@ -148,7 +148,7 @@ impl<'a> Handling<'a> {
     /// Loads the page again.
     pub async fn reload(&self) {
         self.browser.open(&site()).await;
-        self.browser.refresh().await;
+        self.browser.reload().await;
     }
 }
 
