@@ -96,6 +96,7 @@ mod tests {
             shell::ALL,
             live::ALL,
             faults::ALL,
+            help::ALL,
             decoder::ALL,
             anatomy::ALL,
             diagnosis::ALL,
