@@ -22,6 +22,7 @@ texts! {
     device_help_line => "Line" | "通信参数";
     device_help_mode => "Mode" | "传输模式";
     device_help_unit => "Address" | "地址";
+    device_help_usually(unit: u8) => "usually {unit}" | "一般为 {unit}";
     device_help_limits => "Limits" | "使用限制";
     device_help_units => "Addresses" | "地址范围";
     device_help_bauds => "Baud rates" | "波特率";

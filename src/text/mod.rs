@@ -99,6 +99,7 @@ mod tests {
             shell::ALL,
             live::ALL,
             faults::ALL,
+            help::ALL,
             decoder::ALL,
             anatomy::ALL,
             diagnosis::ALL,

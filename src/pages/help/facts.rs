@@ -1,6 +1,6 @@
 //! What a profile says in numbers, in words: how the device leaves the factory, and what it can take.
 
-use buslens_codec::profile::{Interface, Point, Profile, Role};
+use buslens_codec::profile::{Effect, Interface, Point, Profile, Role};
 use buslens_codec::value::Value;
 
 use crate::components::shell::mode_name;
@@ -19,11 +19,12 @@ pub(super) fn defaults(language: Language, profile: &Profile) -> Vec<(String, St
         (language.device_help_mode().to_owned(), mode_name(profile.mode).to_owned()),
     ];
     // Where each device has a number of its own, the point says so.
-    let of_unit = profile.points.iter().find(|point| point.effects.contains(&buslens_codec::profile::Effect::Unit));
-    let note = of_unit.and_then(|point| point.note.as_ref()).map(|note| pick(language, note));
-    let unit = profile.unit.to_string();
-    let told = note.map_or_else(|| unit.clone(), |note| [&unit, " · ", note].concat());
-    rows.push((language.device_help_unit().to_owned(), told));
+    let unit = match profile.points.iter().find(|point| point.effects.contains(&Effect::Unit)) {
+        Some(Point { factory: None, note: Some(note), .. }) => pick(language, note).to_owned(),
+        Some(Point { factory: None, .. }) => language.device_help_usually(profile.unit),
+        _ => profile.unit.to_string(),
+    };
+    rows.push((language.device_help_unit().to_owned(), unit));
     // The line is told above.
     let others = profile.points.iter().filter(|point| point.effects.is_empty());
     rows.extend(others.filter_map(|point| Some((pick(language, &point.name).to_owned(), factory(language, point)?))));
@@ -107,10 +108,10 @@ mod tests {
     fn factory_settings_are_told_once() {
         let rows = shown(&defaults(Language::En, device::find("lvdt").profile()));
         assert_eq!(rows[..2], ["Line: RS485 · 9600 8E1", "Mode: RTU"]);
-        assert!(rows[2].starts_with("Address: 1 · Leaves the factory"), "{rows:?}");
+        assert!(rows[2].starts_with("Address: Leaves the factory as the number on the housing"), "{rows:?}");
         assert_eq!(rows[3..], ["Compensation: off", "Sample rate: 10 Hz"]);
         let rows = shown(&defaults(Language::En, device::find("level").profile()));
-        assert!(rows.iter().any(|row| row == "Zero offset: 0"), "{rows:?}");
+        assert_eq!(rows[2..], ["Address: usually 1", "Zero offset: 0"]);
     }
 
     #[test]

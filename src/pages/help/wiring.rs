@@ -85,22 +85,22 @@ fn row(language: Language, wire: &Wire, y: usize) -> [El; 5] {
 fn plug(profile: &Profile) -> El {
     let pins = (1..=9_u8).flat_map(|pin| {
         let (row, place) = if pin <= 5 { (0, usize::from(pin) - 1) } else { (1, usize::from(pin) - 6) };
-        let (x, y) = (38 + place * 32 + row * 16, 30 + row * 34);
+        let (x, y) = (38 + place * 32 + row * 16, 36 + row * 36);
         let wire = profile.wiring.iter().find(|wire| wire.pin == Some(pin));
         let dot = svg("circle").class("pin").attr("cx", &x.to_string()).attr("cy", &y.to_string()).attr("r", "6");
         let dot = if let Some(wire) = wire { dot.attr("data-color", &wire.color) } else { dot };
-        let signal = wire.map(|wire| [&pin.to_string(), " ", &signed(&wire.signal)].concat());
-        let label = signal.unwrap_or_else(|| pin.to_string());
-        [dot, text("colour", x, y + 17, &label).attr("text-anchor", "middle")]
+        let signal = wire.map(|wire| signed(&wire.signal)).unwrap_or_default();
+        let number = text("colour", x, y + 18, &pin.to_string());
+        [dot, number.attr("text-anchor", "middle"), text("colour", x, y - 11, &signal).attr("text-anchor", "middle")]
     });
     svg("svg")
         .class("wires plug")
-        .attr("viewBox", "0 0 204 94")
+        .attr("viewBox", "0 0 204 104")
         .attr("aria-hidden", "true")
         .child(
             svg("path")
                 .class("housing")
-                .attr("d", "M16 8h172q10 0 8 10l-14 60q-2 8-10 8h-140q-8 0-10-8l-14-60q-2-10 8-10z"),
+                .attr("d", "M16 8h172q10 0 8 10l-14 70q-2 8-10 8h-140q-8 0-10-8l-14-70q-2-10 8-10z"),
         )
         .children(pins)
 }
