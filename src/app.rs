@@ -231,6 +231,12 @@ impl App {
                 self.settings.device.set(device.id().to_owned());
             }
         }
+        let told = |used: &Connection| (used.line, used.mode, used.unit);
+        let before = self.connection.with_untracked(|used| used.as_ref().map(told));
+        // Whoever connects again finds the device where it is now.
+        if matches!(connection.source, Source::Serial(_)) && before.is_some_and(|before| before != told(&connection)) {
+            self.settings.follow(&connection);
+        }
         self.connection.set(Some(connection));
         self.polling.set(polling);
         self.read_only.set(read_only);

@@ -11,6 +11,7 @@ use buslens_configure::{Edit, Hazard, Journal, Progress, Reach, Report, Scope, S
 
 use crate::analyst::Analyst;
 use crate::device::{self, Device};
+use crate::dom;
 use crate::reactive::prelude::*;
 use crate::workbench::Workbench;
 
@@ -33,6 +34,8 @@ pub(crate) struct Configuring {
     /// The snapshots that are kept, each with its number; `None` until they have been asked for.
     pub(crate) snapshots: RwSignal<Option<Vec<(u64, Snapshot)>>>,
     last_run: StoredValue<u32>,
+    /// What waits until the worker has told of the line.
+    waiting: StoredValue<Option<(u32, Task)>>,
 }
 
 /// Something under way.
@@ -85,6 +88,13 @@ pub(crate) struct Target {
     pub(crate) simulated: bool,
 }
 
+impl Target {
+    /// What its writes are counted under.
+    pub(crate) fn key(&self) -> DeviceKey {
+        DeviceKey { profile: self.device.id().to_owned(), unit: self.reach.unit.0, simulated: self.simulated }
+    }
+}
+
 impl Configuring {
     /// Nothing yet.
     pub(crate) fn new() -> Self {
@@ -98,6 +108,7 @@ impl Configuring {
             audit_file: RwSignal::new(None),
             snapshots: RwSignal::new(None),
             last_run: StoredValue::new(0),
+            waiting: StoredValue::new(None),
         }
     }
 
@@ -198,7 +209,10 @@ impl Workbench {
                 running.stopping = true;
             }
         });
-        tell(ToConfigure::Cancel);
+        match self.configuring.waiting.try_update_value(Option::take).flatten() {
+            Some((run, _)) => self.configuring.end(run, Err(Hindrance::Cancelled)),
+            None => tell(ToConfigure::Cancel),
+        }
     }
 
     /// Forgets a journal: its device is left as it is.
@@ -259,13 +273,32 @@ impl Workbench {
     fn begin(&'static self, kind: Kind, task: Task) -> Option<u32> {
         self.start_console();
         let run = self.configuring.begin(kind)?;
-        match untrack(|| self.target()) {
+        self.configuring.waiting.set_value(Some((run, task)));
+        untrack(|| self.hand_on());
+        Some(run)
+    }
+
+    /// Keeps what was wanted before the worker has told of the line until it has.
+    pub(crate) fn follow_line(&'static self) {
+        dom::react(move || {
+            if self.console.line.with(Option::is_some) {
+                untrack(|| self.hand_on());
+            }
+        });
+    }
+
+    fn hand_on(&self) {
+        if self.console.line.with(Option::is_none) {
+            return;
+        }
+        let waiting = self.configuring.waiting.try_update_value(Option::take).flatten();
+        let Some((run, task)) = waiting else { return };
+        match self.target() {
             Some(Target { profile, reach, .. }) => {
                 tell(ToConfigure::Begin { run, task, profile: profile.to_owned(), reach });
             }
             None => self.configuring.end(run, Err(Hindrance::NoPort)),
         }
-        Some(run)
     }
 }
 

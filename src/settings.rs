@@ -65,12 +65,26 @@ impl Settings {
     /// Sets everything to the device's factory settings. The unit id stays: it is printed on the housing.
     pub(crate) fn reset(&self) {
         let factory = Factory::of(self.device());
-        self.baud.set(factory.baud);
-        self.parity.set(factory.parity.to_owned());
-        self.data_bits.set(factory.data_bits.to_owned());
-        self.stop_bits.set(factory.stop_bits.to_owned());
-        self.mode.set(factory.mode.to_owned());
-        self.period.set(factory.period);
+        self.period.set(factory.period.clone());
+        self.set_line(factory);
+    }
+
+    /// Takes over how a device is reached that has been connected, and was set otherwise meanwhile.
+    pub(crate) fn follow(&self, used: &Connection) {
+        self.set_line(Factory::of_line(used.line, used.mode));
+        self.unit.set(used.unit.0.to_string());
+    }
+
+    fn set_line(&self, to: Factory) {
+        let is_listed = parse_baud(&to.baud).is_some_and(|baud| BAUDS.contains(&baud));
+        if !is_listed {
+            self.free_baud.set(to.baud.clone());
+        }
+        self.baud.set(if is_listed { to.baud } else { FREE.to_owned() });
+        self.parity.set(to.parity.to_owned());
+        self.data_bits.set(to.data_bits.to_owned());
+        self.stop_bits.set(to.stop_bits.to_owned());
+        self.mode.set(to.mode.to_owned());
     }
 
     /// Whether every field is as [`Self::reset`] would set it.
@@ -132,7 +146,7 @@ pub(crate) fn demonstration(device: &Device) -> Connection {
     }
 }
 
-/// A device's factory settings as the fields hold them.
+/// A device's factory settings, or others, as the fields hold them.
 struct Factory {
     baud: String,
     parity: &'static str,
@@ -144,14 +158,17 @@ struct Factory {
 
 impl Factory {
     fn of(device: &Device) -> Self {
-        let line = device.line();
+        Self { period: device.period_ms().to_string(), ..Self::of_line(device.line(), device.mode()) }
+    }
+
+    fn of_line(line: LineSettings, mode: Mode) -> Self {
         Self {
             baud: line.baud.to_string(),
             parity: parity_name(line.parity),
             data_bits: if line.data_bits == DataBits::Seven { "7" } else { "8" },
             stop_bits: if line.stop_bits == StopBits::Two { "2" } else { "1" },
-            mode: if device.mode() == Mode::Ascii { "ascii" } else { "rtu" },
-            period: device.period_ms().to_string(),
+            mode: if mode == Mode::Ascii { "ascii" } else { "rtu" },
+            period: String::new(),
         }
     }
 }

@@ -174,6 +174,7 @@ fn start(language: Language, beside: JsValue) {
         // One for the life of the page, and cheap for every closure to hold.
         let state: &'static Workbench = Box::leak(Box::new(Workbench::new(language)));
         dom::on_window("resize", |_| state.size_turn.update(|turn| *turn = turn.wrapping_add(1)));
+        state.follow_line();
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         follow_configuring(state);
         if let Some(place) = document().get_element_by_id("notices") {

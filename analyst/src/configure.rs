@@ -34,7 +34,7 @@ pub enum ToConfigure {
     },
     /// Stop. What was written is undone first: the report comes then.
     Cancel,
-    /// Forget a journal: its device is left as it is.
+    /// Forget a journal that nobody works on: its device is left as it is.
     Discard(u64),
     /// Send some of the audit log, the newest first. Answered by [`FromConfigure::Audit`] now, and again whenever it has
     /// grown.
@@ -227,13 +227,20 @@ pub enum ToStore {
     /// Tell the journals that nobody holds, and the counts: [`FromStore::Journals`], [`FromStore::Counts`]; and the
     /// journals again whenever they have changed in any page of the browser.
     Watch,
-    /// Hold a journal with this page's lock, unless this page holds it already, and keep it for good. Answered by
-    /// [`FromStore::Kept`].
-    Keep(Box<Journal>),
+    /// Hold a journal with this page's lock, unless this page holds it already, and keep it for good; of a simulated
+    /// device, which ends with the page, as long as that lasts. Answered by [`FromStore::Kept`].
+    Keep {
+        /// The journal.
+        journal: Box<Journal>,
+        /// Whether its device is simulated.
+        simulated: bool,
+    },
     /// Hold a journal that nobody else holds. Answered by [`FromStore::Taken`].
     Take(u64),
     /// Forget a journal and let it go.
     Forget(u64),
+    /// Forget a journal that nobody holds.
+    Discard(u64),
     /// Let all journals go that this page holds.
     Release,
     /// Add a row to the audit log.

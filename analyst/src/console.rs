@@ -425,7 +425,7 @@ impl Console {
                 configuring.recover((run, journal, way), hindrance, around.state, around.out);
             }
             ToConfigure::Cancel => configuring.cancel(now, around.out),
-            ToConfigure::Discard(journal) => around.out.store(ToStore::Forget(journal)),
+            ToConfigure::Discard(journal) => around.out.store(ToStore::Discard(journal)),
             _ => {}
         }
         self.drain_configuring(now);

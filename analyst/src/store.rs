@@ -23,6 +23,8 @@ pub(crate) struct Store {
     working: Cell<bool>,
     database: RefCell<Option<Rc<Database>>>,
     held: RefCell<Vec<(u64, Lock)>>,
+    /// Journals of simulated devices, which end with the page.
+    simulated: RefCell<Vec<Journal>>,
     news: News,
     /// Journals that another page holds: their end is waited for.
     awaited: RefCell<Vec<u64>>,
@@ -39,6 +41,7 @@ impl Store {
             working: Cell::new(false),
             database: RefCell::new(None),
             held: RefCell::default(),
+            simulated: RefCell::default(),
             news: News::new(),
             awaited: RefCell::default(),
             watched: Cell::default(),
@@ -95,9 +98,14 @@ impl Store {
                 self.tell_journals().await?;
                 self.tell_counts().await?;
             }
-            ToStore::Keep(journal) => {
+            ToStore::Keep { journal, simulated } => {
                 let id = journal.id;
-                let kept = self.keep(&journal).await;
+                let kept = if simulated {
+                    self.keep_simulated(*journal);
+                    Ok(())
+                } else {
+                    self.keep(&journal).await
+                };
                 (self.answer)(FromStore::Kept(id, kept));
             }
             ToStore::Take(id) => {
@@ -105,11 +113,13 @@ impl Store {
                 (self.answer)(FromStore::Taken(id, taken));
                 self.tell_journals().await?;
             }
-            ToStore::Forget(id) => {
-                let gone = self.database().await?.delete(JOURNALS, &Key::Number(id)).await;
-                self.held.borrow_mut().retain(|(held, _)| *held != id);
-                gone?;
-                self.changed().await?;
+            ToStore::Forget(id) => self.forget(id).await?,
+            ToStore::Discard(id) => {
+                let is_held = self.is_held(id);
+                if let Some(lock) = Lock::try_hold(id).await.filter(|_| !is_held) {
+                    self.held.borrow_mut().push((id, lock));
+                    self.forget(id).await?;
+                }
             }
             ToStore::Release => {
                 if !std::mem::take(&mut *self.held.borrow_mut()).is_empty() {
@@ -166,8 +176,7 @@ impl Store {
     }
 
     async fn keep(&self, journal: &Journal) -> Result<(), StoreFault> {
-        let is_held = self.held.borrow().iter().any(|(id, _)| *id == journal.id);
-        if !is_held {
+        if !self.is_held(journal.id) {
             // Nobody else knows of a new journal. Where the browser has no locks, there is one page only to be hoped for.
             let lock = Lock::try_hold(journal.id).await.unwrap_or_default();
             self.held.borrow_mut().push((journal.id, lock));
@@ -176,7 +185,37 @@ impl Store {
         database.put(JOURNALS, Some(&Key::Number(journal.id)), &journal.to_json()).await
     }
 
+    fn keep_simulated(&self, journal: Journal) {
+        if !self.is_held(journal.id) {
+            self.held.borrow_mut().push((journal.id, Lock::default()));
+        }
+        let mut all = self.simulated.borrow_mut();
+        match all.iter_mut().find(|known| known.id == journal.id) {
+            Some(known) => *known = journal,
+            None => all.push(journal),
+        }
+    }
+
+    fn is_held(&self, id: u64) -> bool {
+        self.held.borrow().iter().any(|(held, _)| *held == id)
+    }
+
+    async fn forget(self: &Rc<Self>, id: u64) -> Result<(), StoreFault> {
+        let known = self.simulated.borrow().len();
+        self.simulated.borrow_mut().retain(|journal| journal.id != id);
+        let is_simulated = self.simulated.borrow().len() < known;
+        let gone = if is_simulated { Ok(()) } else { self.database().await?.delete(JOURNALS, &Key::Number(id)).await };
+        self.held.borrow_mut().retain(|(held, _)| *held != id);
+        gone?;
+        self.changed().await
+    }
+
     async fn take(&self, id: u64) -> Result<Box<Journal>, Hindrance> {
+        let simulated = self.simulated.borrow().iter().find(|journal| journal.id == id).cloned();
+        if let Some(journal) = simulated {
+            self.held.borrow_mut().push((id, Lock::default()));
+            return Ok(Box::new(journal));
+        }
         let lock = Lock::try_hold(id).await.ok_or(Hindrance::JournalHeld)?;
         let database = self.database().await.map_err(Hindrance::Store)?;
         let kept = database.get(JOURNALS, &Key::Number(id)).await.map_err(Hindrance::Store)?;
@@ -192,12 +231,20 @@ impl Store {
     }
 
     async fn tell_journals(self: &Rc<Self>) -> Result<(), StoreFault> {
-        let all = self.database().await?.all(JOURNALS).await?;
+        // Where there is no database, there are those of simulated devices.
+        let all = match self.database().await {
+            Ok(database) => database.all(JOURNALS).await?,
+            Err(fault) => {
+                (self.answer)(FromStore::Failed(fault));
+                Vec::new()
+            }
+        };
         let held = locks::held().await;
-        let mut open = Vec::new();
+        let mut open = self.simulated.borrow().clone();
+        open.retain(|journal| !self.is_held(journal.id));
         for (_, text) in all {
             let Some(journal) = Journal::from_json(&text) else { continue };
-            if self.held.borrow().iter().any(|(id, _)| *id == journal.id) {
+            if self.is_held(journal.id) {
                 continue;
             }
             if held.contains(&journal.id) {

@@ -109,7 +109,7 @@ pub struct StepReport {
 pub enum StepOutcome {
     /// Nothing of it was sent.
     Waiting,
-    /// It is being carried out, or was when the port vanished: unknown.
+    /// It was sent, and what has become of it is not known: the port has vanished, or the device is lost.
     Sent,
     /// Read back: it holds. Known.
     Confirmed,
@@ -129,6 +129,8 @@ pub enum StepOutcome {
     NotSent,
     /// It was undone, and read back.
     Undone,
+    /// It was confirmed, and then a command of the same plan that loses the device's settings has changed it: read back.
+    Overwritten,
 }
 
 /// Something that was sent, and what came of it.

@@ -445,8 +445,8 @@ fn the_journal_is_kept_before_the_first_byte_of_each_step() {
     assert!(bench.run(procedure).is_none());
     let journal = bench.journals.values().next().unwrap();
     let states: Vec<StepState> = journal.steps.iter().map(|step| step.state).collect();
-    use StepState::{Confirmed, Sent, Waiting};
-    assert_eq!(states, [Confirmed, Confirmed, Sent, Waiting, Waiting]);
+    let (done, open) = (StepState::Confirmed, StepState::Waiting);
+    assert_eq!(states, [done, done, StepState::Sent, open, open]);
     assert_eq!(journal.candidates().len(), 5);
     assert!(journal.has_written());
 }

@@ -71,9 +71,9 @@ fn dependencies_point_from_app_to_bus_to_codec() {
     assert_eq!(ours("buslens-sequence"), sequence.map(String::from).into());
     let configure = ["buslens-bus", "buslens-codec", "buslens-configure"];
     assert_eq!(ours("buslens-configure"), configure.map(String::from).into());
-    let analyst = ["buslens-analyst", "buslens-bus", "buslens-codec", "buslens-sequence"];
+    let analyst = ["buslens-analyst", "buslens-bus", "buslens-codec", "buslens-configure", "buslens-sequence"];
     assert_eq!(ours("buslens-analyst"), analyst.map(String::from).into());
-    let all = ["buslens", "buslens-analyst", "buslens-bus", "buslens-codec", "buslens-sequence"];
+    let all = ["buslens", "buslens-analyst", "buslens-bus", "buslens-codec", "buslens-configure", "buslens-sequence"];
     assert_eq!(ours("buslens"), all.map(String::from).into());
 }
 

@@ -35,6 +35,8 @@ struct Doing {
     asked: Vec<(u32, u32)>,
     buffer_bytes: u32,
     simulated: bool,
+    /// It may give the device another unit id. A search only finds one.
+    writes: bool,
     news: News,
 }
 
@@ -149,6 +151,7 @@ impl Configuring {
     }
 
     fn start(&mut self, now: Instant, run: u32, task: Task, device: Device, unit: UnitId, around: &mut Around<'_>) {
+        let writes = matches!(task, Task::Apply { .. } | Task::Recover { .. });
         let simulated = around.state.is_some_and(|state| state.simulated);
         let key = DeviceKey { profile: device.profile.id.clone(), unit: unit.0, simulated };
         around.ledger.configure(Some(key), None, around.out);
@@ -156,7 +159,7 @@ impl Configuring {
         let buffer_bytes = around.state.map_or(8192, |state| state.buffer_bytes);
         let mut news = News::every(NEWS_PERIOD);
         news.change();
-        self.doing = Some(Doing { run, procedure, asked: Vec::new(), buffer_bytes, simulated, news });
+        self.doing = Some(Doing { run, procedure, asked: Vec::new(), buffer_bytes, simulated, writes, news });
     }
 
     /// It shall stop.
@@ -211,7 +214,8 @@ impl Configuring {
             tell(FromConfigure::Progress { run, progress }, out);
         }
         if let Some(report) = report {
-            ledger.configure(None, report.reach.map(|reach| reach.unit), out);
+            let found = report.reach.filter(|_| doing.writes);
+            ledger.configure(None, found.map(|reach| reach.unit), out);
             out.store(ToStore::Release);
             tell(FromConfigure::Report { run, report: Box::new(report) }, out);
             self.device = self.doing.take().map(|doing| doing.procedure.device());
@@ -263,7 +267,7 @@ impl Doing {
             }
             Order::Poll(on) => out.order(ToLine::Poll(on)),
             Order::Unit(unit) => out.order(ToLine::Unit(unit.0)),
-            Order::Keep(journal) => out.store(ToStore::Keep(journal)),
+            Order::Keep(journal) => out.store(ToStore::Keep { journal, simulated: self.simulated }),
             Order::Forget(journal) => out.store(ToStore::Forget(journal)),
             Order::Audit(entry) => {
                 let (simulated, origin) = (self.simulated, Origin::Configuration);

@@ -8,7 +8,7 @@ use buslens_codec::profile::{Effect, Point, Profile};
 use super::desk::{Desk, Stop};
 use super::finding::{search, signs};
 use super::reading::{TRIES, read_group, read_points};
-use super::transaction::{Failure, Transaction, place};
+use super::transaction::{Failure, Transaction, is_loss, place};
 use super::{Scope, Way};
 use crate::edit::own_bits;
 use crate::request::{Answer, holds, read_request, single};
@@ -167,11 +167,15 @@ async fn check_free(desk: &Desk, profile: &Profile, plan: &Plan) -> Result<(), E
             }
         }
     }
-    // The port is as the device needs it before anything is begun.
-    if !desk.enter(plan.begins).await.map_err(stopped)? {
-        return Err(Ending::PortRefuses(plan.begins));
+    // The port is as the device needs it before anything is begun. A port that was opened again learns from a read
+    // whether its adapter hears itself: without that the reply to function 05 or 06 proves nothing.
+    if plan.targets.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    match read_group(desk, plan.begins, sign, TRIES).await.map_err(stopped)? {
+        Answer::Registers(_) | Answer::Refused(_) => Ok(()),
+        _ => Err(Ending::NoAnswer),
+    }
 }
 
 /// Undoes what was written if that can be done, and tells what is now.
@@ -188,7 +192,11 @@ async fn undo_or_tell(desk: &Desk, transaction: &mut Transaction<'_>, failure: F
             if !transaction.has_commanded() && why.outcome != StepOutcome::Silent =>
         {
             desk.clean_up();
-            match transaction.undo().await {
+            let undone = match transaction.undo().await {
+                Ok(true) => transaction.is_still_true().await,
+                other => other,
+            };
+            match undone {
                 Ok(true) if stop == Some(Stop::Cancelled) => return Ending::Cancelled,
                 Ok(true) => return Ending::RolledBack(why),
                 Err(Stop::Gone) => return Ending::Interrupted,
@@ -197,11 +205,14 @@ async fn undo_or_tell(desk: &Desk, transaction: &mut Transaction<'_>, failure: F
         }
         _ => {}
     }
-    told(transaction, why)
+    told(transaction, why).await
 }
 
 /// Neither all nor nothing.
-fn told(transaction: &Transaction<'_>, why: Why) -> Ending {
+async fn told(transaction: &mut Transaction<'_>, why: Why) -> Ending {
+    if transaction.at().is_some() && transaction.is_still_true().await == Err(Stop::Gone) {
+        return Ending::Interrupted;
+    }
     if transaction.at().is_some() { Ending::Partly(why) } else { Ending::Lost(why) }
 }
 
@@ -236,6 +247,7 @@ async fn find_and_read(desk: &Desk, journal: &Journal) -> Result<(Reach, Snapsho
 /// Finishes or undoes, in a device that was found.
 async fn go_on(desk: &Desk, transaction: &mut Transaction<'_>, way: Way) -> Ending {
     let profile = desk.profile();
+    transaction.undoes = way == Way::Undo;
     let mut edits = Vec::new();
     for index in 0..transaction.steps.len() {
         let (outcome, edit) = next_of(&profile, transaction, index, way);
@@ -266,19 +278,14 @@ async fn go_on(desk: &Desk, transaction: &mut Transaction<'_>, way: Way) -> Endi
     match transaction.run(&wanted).await {
         Ok(()) => {}
         Err(Failure::Step(why)) if why.outcome == StepOutcome::Unproven => return Ending::Unproven(why),
-        Err(Failure::Step(why)) => return told(transaction, why),
+        Err(Failure::Step(why)) => return told(transaction, why).await,
         Err(Failure::Stop(_, Stop::Gone)) => return Ending::Interrupted,
         Err(Failure::Stop(_, stop)) if desk.writes() == 0 => return stopped(stop),
         Err(Failure::Stop(index, _)) => {
-            return told(transaction, Why { step: place(index), outcome: StepOutcome::NotSent });
+            return told(transaction, Why { step: place(index), outcome: StepOutcome::NotSent }).await;
         }
     }
     if way == Way::Undo {
-        for (index, _) in wanted {
-            if let Some(step) = transaction.steps.get_mut(index) {
-                step.outcome = StepOutcome::Undone;
-            }
-        }
         return Ending::Undone;
     }
     let unproven = transaction.steps.iter().position(|step| step.outcome == StepOutcome::Unproven);
@@ -301,7 +308,16 @@ fn next_of(
     let wanted = if way == Way::Finish { Some(&step.after) } else { step.before.as_ref() };
     if let (Some(read), Some(wanted)) = (read, wanted) {
         let as_wanted = if way == Way::Finish { StepOutcome::Confirmed } else { StepOutcome::Undone };
-        return if holds(point, read, wanted) { (as_wanted, None) } else { (StepOutcome::Waiting, write(wanted)) };
+        if holds(point, read, wanted) {
+            return (as_wanted, None);
+        }
+        // What a command behind it has changed is as it should be.
+        let overwritten = way == Way::Finish
+            && journal
+                .steps
+                .iter()
+                .any(|later| later.state != StepState::Waiting && profile.point(&later.point).is_some_and(is_loss));
+        return if overwritten { (StepOutcome::Overwritten, None) } else { (StepOutcome::Waiting, write(wanted)) };
     }
     let done = match step.state {
         StepState::Waiting => (StepOutcome::Waiting, write(&step.after)),

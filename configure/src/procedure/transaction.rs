@@ -1,19 +1,17 @@
 //! Steps being written, one after the other, each proven before the next; and written back where one fails.
 
+mod proof;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use buslens_codec::UnitId;
 use buslens_codec::pdu::Request;
 use buslens_codec::profile::{Effect, Point, Profile, Reply};
 
-use super::Scope;
+use self::proof::Proof;
 use super::desk::{Desk, Stop};
-use super::finding::{search, signs};
-use super::reading::{TRIES, read_group, read_points};
 use crate::plan::after_write;
 use crate::request::{Answer, holds, over, single, write_request};
-use crate::snapshot::{is_of_factory, parameters};
 use crate::{After, Ending, Journal, Phase, Reach, Read, Report, Snapshot, StepOutcome, StepReport, StepState, Why};
 
 /// How often a parameter is written whose write was lost: read back, it held what it had held before.
@@ -29,6 +27,7 @@ const ACKNOWLEDGE: u8 = 5;
 const SERVER_BUSY: u8 = 6;
 
 /// Steps being written.
+#[allow(clippy::struct_excessive_bools)] // each tells of another thing
 pub(super) struct Transaction<'a> {
     desk: &'a Desk,
     profile: Arc<Profile>,
@@ -44,6 +43,10 @@ pub(super) struct Transaction<'a> {
     commanded: bool,
     /// It goes on from where an earlier procedure has stopped.
     is_old: bool,
+    /// What it writes is what was there before.
+    pub(super) undoes: bool,
+    /// Something happened that can have changed more than what was written: a loss of supply, for one.
+    is_stirred: bool,
 }
 
 /// Why writing did not come to its end.
@@ -63,13 +66,6 @@ enum Written {
     Lost,
 }
 
-/// A device that was looked for.
-struct Seen {
-    reach: Reach,
-    /// What the point holds; `None` if it cannot be read.
-    read: Option<Read>,
-}
-
 impl<'a> Transaction<'a> {
     /// Of a device that has just answered at `at`. The journal's steps are those of the report; it `is_old` if an earlier
     /// procedure has written under it.
@@ -82,7 +78,19 @@ impl<'a> Transaction<'a> {
             exchanges: Vec::new(),
         });
         let (profile, steps) = (desk.profile(), steps.collect());
-        Self { desk, profile, journal, steps, snapshot, at: Some(at), maybe: vec![at], commanded: false, is_old }
+        Self {
+            desk,
+            profile,
+            journal,
+            steps,
+            snapshot,
+            at: Some(at),
+            maybe: vec![at],
+            commanded: false,
+            is_old,
+            undoes: false,
+            is_stirred: false,
+        }
     }
 
     /// Writes the steps at these places, each with these registers, and reads everything back in the end.
@@ -97,21 +105,29 @@ impl<'a> Transaction<'a> {
             self.desk.progress(Phase::Writing { step: place(index) }, index, self.steps.len(), None);
             let outcome = self.write(index, registers).await;
             self.collect(index);
+            self.tell_overwritten(index);
             match outcome {
+                Ok(StepOutcome::Confirmed) if self.undoes => self.set(index, StepOutcome::Undone, StepState::Undone),
                 Ok(outcome @ (StepOutcome::Confirmed | StepOutcome::Acknowledged)) => {
                     self.commanded |= self.steps.get(index).is_some_and(|step| step.before.is_none());
                     self.set(index, outcome, StepState::Confirmed);
                 }
                 Ok(outcome) => {
-                    self.commanded |= outcome == StepOutcome::Unproven;
                     self.set(index, outcome.clone(), StepState::Sent);
+                    if outcome == StepOutcome::Unproven {
+                        self.commanded = true;
+                        self.verify(index).await?;
+                    }
                     return Err(Failure::Step(Why { step: place(index), outcome }));
                 }
                 Err(stop) => return Err(Failure::Stop(index, stop)),
             }
         }
         // What was read back before it was followed by something else may have changed since.
-        if wanted.len() > 1 { self.verify(wanted).await } else { Ok(()) }
+        match wanted.last() {
+            Some((last, _)) if self.steps.len() > 1 || self.is_stirred => self.verify(*last).await,
+            _ => Ok(()),
+        }
     }
 
     /// Writes back what was there before, the last step first, and says whether that is proven.
@@ -257,6 +273,7 @@ impl<'a> Transaction<'a> {
             }
             answer => answer == Answer::Written,
         };
+        self.is_stirred |= !acknowledged;
         let proof = Proof { point, registers, old, at, acknowledged };
         match then {
             After::Same if single(point).is_none() && acknowledged => {
@@ -277,162 +294,6 @@ impl<'a> Transaction<'a> {
                 self.prove_loss(&proof).await
             }
         }
-    }
-
-    /// Finds out what has become of a write that leaves the device at `reach`.
-    async fn prove(&mut self, proof: &Proof<'_>, reach: Reach) -> Result<Written, Stop> {
-        let mut early = 2;
-        loop {
-            let maybe = self.maybe.clone();
-            let Some(seen) = self.look(proof.point, &maybe, ROUNDS).await? else {
-                return Ok(Written::Ended(StepOutcome::Silent));
-            };
-            let arrived = seen.reach == reach;
-            let Some(read) = seen.read else {
-                // What cannot be read is shown by where the device answers, if that is what it changes.
-                let outcome = match (arrived && reach != proof.at, arrived && proof.acknowledged) {
-                    (true, _) => StepOutcome::Confirmed,
-                    (false, true) => StepOutcome::Acknowledged,
-                    (false, false) => StepOutcome::Unproven,
-                };
-                return Ok(Written::Ended(outcome));
-            };
-            if arrived && holds(proof.point, &read, proof.registers) {
-                return Ok(Written::Ended(StepOutcome::Confirmed));
-            }
-            let as_before = proof.old.as_ref().is_some_and(|old| holds(proof.point, &read, old));
-            if as_before && !proof.acknowledged {
-                return Ok(Written::Lost);
-            }
-            if early == 0 || !as_before {
-                return Ok(Written::Ended(StepOutcome::NotHeld(read)));
-            }
-            early -= 1;
-            self.desk.pause(SETTLING).await?;
-        }
-    }
-
-    /// Finds the device again after a command that loses its settings, and reads everything.
-    async fn prove_loss(&mut self, proof: &Proof<'_>) -> Result<Written, Stop> {
-        let profile = Arc::clone(&self.profile);
-        let maybe = self.maybe.clone();
-        let Some(seen) = self.look(proof.point, &maybe, 1).await? else {
-            return Ok(Written::Ended(StepOutcome::Silent));
-        };
-        let points = parameters(&profile);
-        for (point, read) in read_points(self.desk, seen.reach, &points).await? {
-            self.snapshot.put(&profile, &point, read);
-        }
-        let reads = points.iter().filter_map(|point| is_of_factory(point, self.snapshot.read(&point.id)?));
-        let of_factory: Vec<bool> = reads.collect();
-        let tells = proof.point.effects.contains(&Effect::Defaults) && !of_factory.is_empty();
-        Ok(Written::Ended(match (tells, proof.acknowledged) {
-            (true, _) if of_factory.iter().all(|is| *is) => StepOutcome::Confirmed,
-            (true, _) => StepOutcome::NotDone,
-            (false, true) => StepOutcome::Acknowledged,
-            (false, false) => StepOutcome::Unproven,
-        }))
-    }
-
-    async fn restart(&mut self, silence_ms: u32) -> Result<(), Stop> {
-        self.desk.progress(Phase::Restarting, 0, 0, Some(Duration::from_millis(silence_ms.into())));
-        self.desk.pause(Duration::from_millis(silence_ms.into())).await
-    }
-
-    /// Looks for the device at these reaches, then everywhere, and keeps what it holds.
-    async fn look(&mut self, point: &Point, reaches: &[Reach], rounds: u32) -> Result<Option<Seen>, Stop> {
-        let own = single(point);
-        let Some(group) = own.or_else(|| signs(&self.profile).first().copied()) else { return Ok(None) };
-        let pause = Duration::from_millis(self.profile.timing.startup_silence_ms.into()).max(ROUND_PAUSE);
-        for round in 0..rounds {
-            if round > 0 {
-                self.desk.pause(pause).await?;
-            }
-            for (at, reach) in reaches.iter().enumerate() {
-                // Where it should be a reply may be lost.
-                let tries = if at == 0 && round == 0 { TRIES - 1 } else { 1 };
-                let read = match read_group(self.desk, *reach, group, tries).await? {
-                    Answer::Registers(registers) => Read::Registers(registers),
-                    Answer::Refused(code) => Read::Refused(code),
-                    _ => continue,
-                };
-                return Ok(Some(self.seen(point, *reach, own.map(|_| read))));
-            }
-        }
-        let reaches = self.candidates();
-        let mut units: Vec<UnitId> = Vec::new();
-        for reach in reaches.iter().chain([&Reach::of_factory(&self.profile)]) {
-            if !units.contains(&reach.unit) {
-                units.push(reach.unit);
-            }
-        }
-        let others = (self.profile.units.first..=self.profile.units.last).filter_map(|unit| u8::try_from(unit).ok());
-        let others: Vec<UnitId> = others.map(UnitId).filter(|unit| !units.contains(unit)).collect();
-        let mut found = search(self.desk, &Scope { reaches, everywhere: true, units }).await?.found;
-        if found.is_none() && point.effects.contains(&Effect::Search) {
-            found = search(self.desk, &Scope { reaches: Vec::new(), everywhere: true, units: others }).await?.found;
-        }
-        let Some(reach) = found else { return Ok(None) };
-        let read = match read_group(self.desk, reach, group, TRIES).await? {
-            Answer::Registers(registers) => Read::Registers(registers),
-            Answer::Refused(code) => Read::Refused(code),
-            _ => Read::NoAnswer,
-        };
-        Ok(Some(self.seen(point, reach, own.map(|_| read))))
-    }
-
-    /// Keeps where the device has answered, and what it holds.
-    fn seen(&mut self, point: &Point, reach: Reach, read: Option<Read>) -> Seen {
-        self.at = Some(reach);
-        self.maybe = vec![reach];
-        if let Some(read) = &read {
-            let profile = Arc::clone(&self.profile);
-            self.snapshot.put(&profile, &point.id, read.clone());
-        }
-        Seen { reach, read }
-    }
-
-    /// Reads everything back that was written and can be read.
-    async fn verify(&mut self, wanted: &[(usize, Vec<u16>)]) -> Result<(), Failure> {
-        let profile = Arc::clone(&self.profile);
-        let last = wanted.last().map_or(0, |(index, _)| *index);
-        let Some(at) = self.at else { return Ok(()) };
-        let written: Vec<(usize, &Point, &Vec<u16>)> = wanted
-            .iter()
-            .filter_map(|(index, registers)| {
-                let step = self.steps.get(*index).filter(|step| step.outcome == StepOutcome::Confirmed)?;
-                Some((*index, profile.point(&step.point).filter(|point| single(point).is_some())?, registers))
-            })
-            .collect();
-        let loses =
-            |point: &Point| point.effects.iter().any(|effect| matches!(effect, Effect::Defaults | Effect::Search));
-        let is_gone = wanted.iter().filter_map(|(index, _)| profile.point(&self.steps.get(*index)?.point)).any(loses);
-        if written.is_empty() || is_gone {
-            return Ok(());
-        }
-        self.desk.progress(Phase::Verifying, 0, 0, None);
-        let points: Vec<&Point> = written.iter().map(|(_, point, _)| *point).collect();
-        let reads = read_points(self.desk, at, &points).await.map_err(|stop| Failure::Stop(last, stop))?;
-        let mut failed = None;
-        for (index, point, registers) in written {
-            // The first that is not as it should be is told; the others are undone all the same.
-            let mut read =
-                reads.iter().find(|(id, _)| *id == point.id).map_or(Read::NoAnswer, |(_, read)| read.clone());
-            if read == Read::NoAnswer {
-                self.at = None;
-                let maybe = self.candidates();
-                let seen = self.look(point, &maybe, ROUNDS).await.map_err(|stop| Failure::Stop(last, stop))?;
-                read = seen.and_then(|seen| seen.read).unwrap_or(Read::NoAnswer);
-            }
-            self.snapshot.put(&profile, &point.id, read.clone());
-            if !holds(point, &read, registers) {
-                let outcome = if read == Read::NoAnswer { StepOutcome::Silent } else { StepOutcome::NotHeld(read) };
-                self.set(index, outcome.clone(), StepState::Sent);
-                failed = Some(Why { step: place(index), outcome });
-            }
-        }
-        self.collect(last);
-        failed.map_or(Ok(()), |why| Err(Failure::Step(why)))
     }
 
     fn set(&mut self, index: usize, outcome: StepOutcome, state: StepState) {
@@ -457,16 +318,12 @@ impl<'a> Transaction<'a> {
     }
 }
 
-/// What a write must be proven by.
-struct Proof<'a> {
-    point: &'a Point,
-    registers: &'a [u16],
-    /// What the point held before, as far as it was read.
-    old: Option<Vec<u16>>,
-    at: Reach,
-    acknowledged: bool,
+/// Whether writing a point loses the settings of the device.
+pub(super) fn is_loss(point: &Point) -> bool {
+    point.effects.iter().any(|effect| matches!(effect, Effect::Defaults | Effect::Search))
 }
 
+/// A step's place in a report.
 pub(super) fn place(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

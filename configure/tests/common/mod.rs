@@ -79,8 +79,8 @@ pub struct Bench<D: Simulated = Box<dyn Simulated>> {
     pub keeps_journals: bool,
     pub read_only: bool,
     pub unplugged: bool,
-    /// Goes wrong with the write after so many others.
-    pub trouble: Option<(usize, Trouble)>,
+    /// What goes wrong with which write.
+    pub troubles: BTreeMap<usize, Trouble>,
     pub reloaded: bool,
     /// What should go wrong has.
     pub has_struck: bool,
@@ -122,7 +122,7 @@ impl<D: Simulated> Bench<D> {
             keeps_journals: true,
             read_only: false,
             unplugged: false,
-            trouble: None,
+            troubles: BTreeMap::new(),
             reloaded: false,
             has_struck: false,
             asked: 0,
@@ -350,7 +350,7 @@ impl<D: Simulated> Bench<D> {
     fn transmit(&mut self, bytes: &[u8]) {
         self.sent.push((self.now, bytes.to_vec()));
         let is_write = matches!(function_of(self.settings.1, bytes), Some(5 | 6 | 15 | 16));
-        let trouble = self.trouble.filter(|(place, _)| is_write && *place == self.writes).map(|(_, trouble)| trouble);
+        let trouble = self.troubles.get(&self.writes).copied().filter(|_| is_write);
         self.writes += usize::from(is_write);
         self.has_struck |= trouble.is_some();
         let faults = &mut self.wire.faults;
@@ -501,7 +501,7 @@ impl<D: Simulated> Bench<D> {
 
     /// This goes wrong with the write after so many others.
     pub fn trouble_after(&mut self, writes: usize, trouble: Trouble) {
-        self.trouble = Some((self.writes + writes, trouble));
+        self.troubles.insert(self.writes + writes, trouble);
     }
 
     /// What the report's snapshot says is what the device holds.

@@ -314,7 +314,7 @@ impl Bench {
 
     fn keep(&mut self, order: ToStore) {
         let answer = match order {
-            ToStore::Keep(journal) => {
+            ToStore::Keep { journal, .. } => {
                 let id = journal.id;
                 if self.fault.is_none() {
                     self.held.insert(id);
@@ -328,7 +328,7 @@ impl Bench {
                 let taken = if self.held.contains(&id) { Err(Hindrance::JournalHeld) } else { taken };
                 FromStore::Taken(id, taken)
             }
-            ToStore::Forget(id) => {
+            ToStore::Forget(id) | ToStore::Discard(id) => {
                 self.journals.remove(&id);
                 self.done.push(Done::Forgotten(id));
                 self.open_journals()
@@ -396,7 +396,7 @@ fn a_journal_is_kept_before_the_first_write() {
     bench.slow = true;
     bench.begin(task);
     bench.pass(Duration::from_secs(3));
-    let waits = bench.waiting.iter().any(|order| matches!(order, ToStore::Keep(_)));
+    let waits = bench.waiting.iter().any(|order| matches!(order, ToStore::Keep { .. }));
     assert_eq!((waits, bench.written()), (true, vec![]), "nothing leaves while the journal is not on the disk");
     bench.slow = false;
     bench.settle();
