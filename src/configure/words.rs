@@ -213,6 +213,7 @@ pub(crate) fn outcome(language: Language, outcome: &StepOutcome, held: impl Fn(&
         StepOutcome::Silent => language.cfg_step_silent().to_owned(),
         StepOutcome::NotSent => language.cfg_step_not_sent().to_owned(),
         StepOutcome::Undone => language.cfg_step_undone().to_owned(),
+        StepOutcome::Overwritten => language.cfg_step_overwritten().to_owned(),
     }
 }
 
@@ -230,6 +231,7 @@ pub(crate) fn outcome_key(outcome: &StepOutcome) -> &'static str {
         StepOutcome::Silent => "silent",
         StepOutcome::NotSent => "not-sent",
         StepOutcome::Undone => "undone",
+        StepOutcome::Overwritten => "overwritten",
     }
 }
 

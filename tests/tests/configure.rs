@@ -34,7 +34,7 @@ fn preset(registers: &[(u16, u16)]) -> Lvdt {
 
 /// What the sensor holds at its registers 30, 31, 32: unit id, baud rate, parity.
 fn held(sensor: &mut Lvdt) -> [u16; 3] {
-    let reply = sensor.serve(BusInstant::ZERO + Duration::from_secs(86_400), UnitId(0), &[3, 0, 0x30, 0, 3]);
+    let reply = sensor.serve(BusInstant::ZERO + Duration::from_hours(24), UnitId(0), &[3, 0, 0x30, 0, 3]);
     let pdu = reply.expect("it answers a broadcast read").pdu;
     [2, 4, 6].map(|at| u16::from_be_bytes([pdu[at], pdu[at + 1]]))
 }

@@ -205,14 +205,14 @@ async fn what_can_lose_settings_waits_until_every_cost_is_accepted() {
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "needs a browser: cargo xtask test"]
 async fn after_a_factory_reset_the_sensor_is_read_again_by_itself() {
-    let mut line = lvdt(1_234);
-    assert!(line.device_mut(0).unwrap().preset(0x31, 4));
-    let bench = Bench::new(line).await;
-    let live = LivePage::open(&bench.browser).await;
-    live.choose_device("lvdt").await;
-    live.set_line(19_200, Parity::Even).await;
-    live.connect().await;
-    live.wait_for(State::Reading).await;
+    let mut wire = lvdt(1_234);
+    assert!(wire.device_mut(0).unwrap().preset(0x31, 4));
+    let bench = Bench::new(wire).await;
+    let figures = LivePage::open(&bench.browser).await;
+    figures.choose_device("lvdt").await;
+    figures.set_line(19_200, Parity::Even).await;
+    figures.connect().await;
+    figures.wait_for(State::Reading).await;
     let page = Handling::open(&bench.browser).await;
     page.unfold_risky().await;
     page.press("factory_reset", 0xFF00).await;
@@ -221,8 +221,8 @@ async fn after_a_factory_reset_the_sensor_is_read_again_by_itself() {
     page.confirm().await;
     page.outcome("done").await;
     bench.wire().wait_for_settings(LineSettings::new(9600, Parity::Even), SOON);
-    live.wait_for(State::Reading).await;
-    live.wait_for_figure("displacement", "1.234 mm").await;
+    figures.wait_for(State::Reading).await;
+    figures.wait_for_figure("displacement", "1.234 mm").await;
     assert_eq!(times(&bench.wire().sent(), &frame(&[5, 0, 0x51, 0xFF, 0])), 1);
 }
 
@@ -230,7 +230,7 @@ async fn after_a_factory_reset_the_sensor_is_read_again_by_itself() {
 #[ignore = "needs a browser: cargo xtask test"]
 async fn a_refusal_is_told_by_its_meaning_and_with_both_frames() {
     let input = BTreeMap::from([(2, 0), (3, 285), (4, 0), (5, 328)]);
-    let registers = Registers { unit: 1, input, holding: BTreeMap::new() };
+    let registers = Registers { unit: 1, input, ..Registers::default() };
     let bench = Bench::with_wire(Relay::serve(registers)).await;
     let live = LivePage::open(&bench.browser).await;
     live.set_line(9600, Parity::None).await;

@@ -18,7 +18,7 @@ const ZERO: [u8; 5] = [5, 0, 0x50, 0xFF, 0];
 /// A sensor that is dumb from the first write on, until it is told to speak.
 struct Dumb {
     sensor: Lvdt,
-    is_dumb: bool,
+    has_fallen_silent: bool,
     speaks_always: bool,
 }
 
@@ -37,14 +37,14 @@ impl Device for Dumb {
 
     fn serve(&mut self, now: Instant, unit: UnitId, request: &[u8]) -> Option<Reply> {
         let reply = self.sensor.serve(now, unit, request);
-        self.is_dumb |= request.first() == Some(&5);
-        reply.filter(|_| self.speaks_always || !self.is_dumb)
+        self.has_fallen_silent |= request.first() == Some(&5);
+        reply.filter(|_| self.speaks_always || !self.has_fallen_silent)
     }
 }
 
 fn dumb(speaks_always: bool) -> Line<Dumb> {
     let sensor = Lvdt::new(1, Motion::Rest { micrometres: 1_234, decidegrees: 255 });
-    Line::new([Dumb { sensor, is_dumb: false, speaks_always }], 1)
+    Line::new([Dumb { sensor, has_fallen_silent: false, speaks_always }], 1)
 }
 
 /// Connects to the sensor on the Live page.

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
-use buslens_codec::line::Parity;
 use buslens_codec::profile::{BUILT_IN, Profile};
 use buslens_tests::pages::{BuilderPage, DecoderPage, LivePage, ProfilesPage, State};
 use buslens_tests::testbed::{Bench, Registers, Relay, site};

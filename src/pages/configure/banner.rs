@@ -71,7 +71,7 @@ fn follow_key(app: &'static Workbench) {
 fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u64>>) -> El {
     let language = app.language.get();
     let id = journal.id;
-    let known = device::all().iter().find(|device| device.id() == journal.profile);
+    let known = device::all().into_iter().find(|device| device.id() == journal.profile);
     let name = known.map_or(journal.profile.as_str(), |device| device.name(language));
     let reach = words::reach(language, &journal.reach);
     let when = date(language, journal.begun_unix_ms);

@@ -53,7 +53,7 @@ impl Told {
             Self::Unreadable => language.cfg_file_unreadable().to_owned(),
             Self::Fault(fault) => words::file_fault(language, fault),
             Self::Other(profile) => {
-                let known = device::all().iter().find(|device| device.id() == profile);
+                let known = device::all().into_iter().find(|device| device.id() == profile);
                 language.cfg_file_other(known.map_or(profile.as_str(), |device| device.name(language)))
             }
             Self::ReadFirst => language.cfg_file_read_first().to_owned(),

@@ -121,46 +121,12 @@ async fn main() {
 async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
     let browser = &bench.browser;
     match scene {
-        Scene::LiveEmpty => {
-            LivePage::open(browser).await;
-            browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
-        }
-        Scene::LiveReading => {
-            let page = LivePage::open(browser).await;
-            browser.click("demo").await;
-            page.wait_for(State::Reading).await;
-            // Enough of a curve to be looked at.
-            page.wait_for_count("replies", 150).await;
-        }
-        Scene::LiveLevel => {
-            let page = demonstrate(browser, "level").await;
-            page.live().show_in("psi").await;
-            page.unfold_risky().await;
-            page.press("save", 1).await;
-            page.question().await;
-            page.live().wait_for_count("replies", 60).await;
-        }
-        Scene::LiveCable => {
-            let page = demonstrate(browser, "gauge-cable").await;
-            page.live().wait_for_count("replies", 60).await;
-            page.give("clear_record", 0).await;
-            page.outcome("done").await;
-            page.frames().await;
-        }
-        Scene::LiveReadOnly => {
-            let page = demonstrate(browser, "lvdt").await;
-            page.set_read_only(true).await;
-            page.locked("read-only").await;
-        }
-        Scene::LiveFault => {
-            let page = LivePage::open(browser).await;
-            set_read_only(browser, false).await;
-            browser.click("disconnect").await;
-            page.wait_for(State::Closed).await;
-            page.set_line(19_200, Parity::Even).await;
-            page.connect().await;
-            page.fault("silence").await;
-        }
+        Scene::LiveEmpty
+        | Scene::LiveReading
+        | Scene::LiveLevel
+        | Scene::LiveCable
+        | Scene::LiveReadOnly
+        | Scene::LiveFault => set_live(browser, scene).await,
         Scene::ConsoleEmpty
         | Scene::ConsoleLog
         | Scene::ConsoleSnippets
@@ -228,6 +194,53 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.break_the_worker().await;
             browser.wait_for("document.querySelector('[data-test=crash]')").await;
         }
+    }
+}
+
+/// Brings the Live page into a scene.
+async fn set_live(browser: &Browser, scene: Scene) {
+    match scene {
+        Scene::LiveEmpty => {
+            LivePage::open(browser).await;
+            browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
+        }
+        Scene::LiveReading => {
+            let page = LivePage::open(browser).await;
+            browser.click("demo").await;
+            page.wait_for(State::Reading).await;
+            // Enough of a curve to be looked at.
+            page.wait_for_count("replies", 150).await;
+        }
+        Scene::LiveLevel => {
+            let page = demonstrate(browser, "level").await;
+            page.live().show_in("psi").await;
+            page.unfold_risky().await;
+            page.press("save", 1).await;
+            page.question().await;
+            page.live().wait_for_count("replies", 60).await;
+        }
+        Scene::LiveCable => {
+            let page = demonstrate(browser, "gauge-cable").await;
+            page.live().wait_for_count("replies", 60).await;
+            page.give("clear_record", 0).await;
+            page.outcome("done").await;
+            page.frames().await;
+        }
+        Scene::LiveReadOnly => {
+            let page = demonstrate(browser, "lvdt").await;
+            page.set_read_only(true).await;
+            page.locked("read-only").await;
+        }
+        Scene::LiveFault => {
+            let page = LivePage::open(browser).await;
+            set_read_only(browser, false).await;
+            browser.click("disconnect").await;
+            page.wait_for(State::Closed).await;
+            page.set_line(19_200, Parity::Even).await;
+            page.connect().await;
+            page.fault("silence").await;
+        }
+        _ => {}
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_bus::sim::{Device as _, Line, Lvdt, Motion};
 use buslens_bus::{Config, Event, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
 use buslens_codec::UnitId;
 use buslens_codec::profile::{BUILT_IN, Group, Profile};
