@@ -238,8 +238,19 @@ fn replace(text: &str, quoted: &str, name: &str) -> Result<String> {
 }
 
 /// Style sheets of what only the workbench draws.
-const WORKBENCH_STYLES: [&str; 11] =
-    ["builder", "bytes", "configure", "console", "decoder", "handling", "help", "list", "profiles", "sequence", "sheet"];
+const WORKBENCH_STYLES: [&str; 11] = [
+    "builder",
+    "bytes",
+    "configure",
+    "console",
+    "decoder",
+    "handling",
+    "help",
+    "list",
+    "profiles",
+    "sequence",
+    "sheet",
+];
 
 /// The style sheets of the first program and of the workbench: the design's tokens first, the others in the order of their
 /// names.
