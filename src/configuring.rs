@@ -216,7 +216,7 @@ impl Workbench {
     }
 
     /// Forgets a journal: its device is left as it is.
-    pub(crate) fn discard_journal(&self, journal: u64) {
+    pub(crate) fn discard_journal(journal: u64) {
         tell(ToConfigure::Discard(journal));
     }
 

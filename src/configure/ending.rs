@@ -94,7 +94,7 @@ pub(crate) fn told(language: Language, profile: &Profile, report: &Report, have:
         }
         Ending::ReadOnly => plain("read-only", Harmless, t.cfg_read_only_ended(), t.cfg_blocked_read_only().to_owned()),
         Ending::NoAnswer => {
-            let place = report.candidates.first().map(at).unwrap_or_else(|| at(&have.reach));
+            let place = report.candidates.first().map_or_else(|| at(&have.reach), at);
             let told = plain("no-answer", Bad, t.cfg_no_answer(), t.cfg_no_answer_what(&place));
             Told { search: true, ..tip(told, t.cfg_no_answer_tip()) }
         }

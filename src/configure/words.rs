@@ -2,7 +2,7 @@
 
 use buslens_codec::profile::{Point, Profile, Texts};
 use buslens_configure::{
-    After, Datum, FileFault, FileReason, Hazard, Phase, Reach, Read, Shown, Snapshot, StepOutcome, Unfit,
+    After, Datum, FileFault, FileReason, Hazard, Phase, Plan, Reach, Read, Shown, Snapshot, StepOutcome, Unfit,
 };
 
 use crate::format::{self, signed};
@@ -34,8 +34,8 @@ pub(crate) fn registers(registers: &[u16]) -> String {
 }
 
 /// What registers say of a point of a device that otherwise holds what `have` tells.
-pub(crate) fn shown<'a>(
-    profile: &'a Profile,
+pub(crate) fn shown(
+    profile: &Profile,
     point: &Point,
     registers: &[u16],
     have: &Snapshot,
@@ -181,6 +181,22 @@ pub(crate) fn phase_key(phase: &Phase) -> &'static str {
     }
 }
 
+/// The step of a plan that a phase is about. A phase may be over before anybody looks, so that each tells as much as it can.
+pub(crate) fn step_of(plan: &Plan, phase: &Phase) -> Option<u32> {
+    let place = |leads: &dyn Fn(&After) -> bool| plan.steps.iter().position(|step| leads(&step.then));
+    let at = match phase {
+        Phase::Writing { step } => return Some(*step),
+        Phase::Following(to) => place(&|then| match then {
+            After::Moves(reach) | After::Restarts { reach, .. } => reach == to,
+            _ => false,
+        }),
+        Phase::Restarting | Phase::Searching(_) => place(&|then| !matches!(then, After::Same | After::Moves(_))),
+        Phase::Verifying => plan.steps.len().checked_sub(1),
+        _ => None,
+    };
+    at.and_then(|at| u32::try_from(at).ok())
+}
+
 /// How a step of the plan stands while a procedure is in a phase of its own: a name for styles, and words. Steps are carried
 /// out in their order; `last` is the last one that was begun.
 pub(crate) fn step_now(language: Language, phase: &Phase, at: u32, last: Option<u32>) -> (&'static str, &'static str) {
@@ -281,6 +297,7 @@ pub(crate) fn tenths(milliseconds: u64) -> String {
 mod tests {
     use buslens_codec::UnitId;
     use buslens_codec::value::Decimal;
+    use buslens_configure::Edit;
 
     use super::*;
     use crate::device;
@@ -331,5 +348,19 @@ mod tests {
         assert_eq!(at(&Phase::Restarting, 1, Some(1)), "running");
         assert_eq!(at(&Phase::Beginning, 0, None), "waiting");
         assert_eq!(at(&Phase::Ending, 2, Some(2)), "done");
+    }
+
+    #[test]
+    fn a_phase_tells_its_step() {
+        let profile = device::find("lvdt").profile();
+        let have = Snapshot::empty(profile, Reach::of_factory(profile));
+        let edit = |point: &str, code| Edit { point: point.to_owned(), registers: vec![code] };
+        let plan =
+            Plan::of(profile, &have, &[edit("baud", 7), edit("address", 9), edit("factory_reset", 0xFF00)]).unwrap();
+        let After::Moves(fast) = plan.steps[1].then else { panic!("{:?}", plan.steps[1]) };
+        assert_eq!(step_of(&plan, &Phase::Following(fast)), Some(1));
+        assert_eq!(step_of(&plan, &Phase::Restarting), Some(2));
+        assert_eq!(step_of(&plan, &Phase::Verifying), Some(2));
+        assert_eq!(step_of(&plan, &Phase::Reading), None);
     }
 }

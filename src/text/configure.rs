@@ -163,10 +163,10 @@ texts! {
     cfg_step_refused(code: u8, name: &str) => "refused: exception {code:02}, {name}" | "被拒绝：异常码 {code:02}，{name}";
     cfg_step_not_held(value: &str) => "read back: it holds {value}" | "回读结果为 {value}";
     cfg_step_not_done => "read back: it was not carried out" | "回读结果：未执行";
+    cfg_step_overwritten => "held, then changed by the command that followed" | "曾生效，随后被后面的命令改变";
     cfg_step_silent => "the device did not answer after it" | "写入后设备不再应答";
     cfg_step_not_sent => "not sent" | "未发送";
     cfg_step_undone => "put back, and read back" | "已还原并回读确认";
-    cfg_step_overwritten => "Confirmed, then changed again by the command after it" | "已确认，随后被其后的命令改变";
 
     cfg_done => "Done" | "已完成";
     cfg_done_what => "Everything is as it was wanted: read back where it can be read, acknowledged where not." | "全部按要求完成：可回读的已回读确认，不可回读的设备已确认。";

@@ -62,8 +62,7 @@ async fn opened<F: FarEnd>(bench: &Bench<F>) -> ConfigurePage<'_> {
 /// The same for another device than the first.
 async fn opened_as<'a, F: FarEnd>(bench: &'a Bench<F>, device: &str) -> ConfigurePage<'a> {
     LivePage::open(&bench.browser).await;
-    bench.browser.choose("device", device).await;
-    bench.browser.run("document.querySelector('[data-test=reset-settings]')?.click()").await;
+    bench.browser.choose("profile", device).await;
     opened(bench).await
 }
 
@@ -117,10 +116,8 @@ async fn every_parameter_of_a_level_transmitter_is_read_with_its_scale_and_unit(
 async fn a_gauge_cable_has_commands_and_no_parameters() {
     let cable = GaugeCable::new(1, Course::Rest(-4661), BusInstant::ZERO);
     let bench = Bench::new(Line::new([cable], 1)).await;
-    LivePage::open(&bench.browser).await;
-    bench.browser.choose("device", "gauge-cable").await;
-    bench.browser.run("document.querySelector('[data-test=reset-settings]')?.click()").await;
     let live = LivePage::open(&bench.browser).await;
+    bench.browser.choose("profile", "gauge-cable").await;
     live.connect().await;
     live.wait_for(State::Reading).await;
     let page = ConfigurePage::open(&bench.browser).await;

@@ -99,11 +99,11 @@ fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u6
             }
         }
     };
-    let blocked = Memo::new(move |_| app.configure.blocked(app, true));
+    let blocked = Memo::new(move |_| app.blocked(true));
     let actions = move || {
         if leaving.get() == Some(id) {
             let yes = button(app, "small danger", "journal-leave-now", Language::cfg_leave_now).click(move || {
-                app.discard_journal(id);
+                Workbench::discard_journal(id);
                 leaving.set(None);
             });
             let no = button(app, "small quiet", "journal-keep", Language::cancel).click(move || leaving.set(None));

@@ -3,7 +3,7 @@
 use buslens_codec::UnitId;
 use buslens_configure::{Reach, Scope};
 
-use super::state::Configure;
+use super::state::{Blocked, Configure};
 use super::{focus_soon, hint};
 use crate::components::button::icon_button;
 use crate::components::icon::Icon;
@@ -20,7 +20,7 @@ const USUAL_UNITS: std::ops::RangeInclusive<u8> = 1..=16;
 pub(super) fn find_card(app: &'static Workbench) -> El {
     let configure = &app.configure;
     let wrong = Memo::new(move |_| configure.units.with(|text| units(text).is_none()));
-    let blocked = move || configure.blocked(app, false);
+    let blocked = move || app.blocked(false);
     let settings = move || {
         let count = configure.device(app).map_or(0, |device| device.profile().line_candidates().len());
         if count == 0 { String::new() } else { app.language.get().cfg_find_count(count) }
@@ -92,7 +92,7 @@ pub(super) fn find_card(app: &'static Workbench) -> El {
                 ),
         )
         .child(el("footer").child(search).live_one(move || {
-            let why = blocked()?;
+            let why = blocked().filter(|why| *why != Blocked::Running)?;
             Some(hint("info", why.text(app.language.get())))
         }))
 }
@@ -120,7 +120,7 @@ impl Configure {
     pub(super) fn search(&self, app: &'static Workbench, first: &[Reach]) {
         let Some(typed) = self.units.with_untracked(|text| units(text)) else { return };
         let Some(profile) = untrack(|| self.device(app)).map(crate::device::Device::profile) else { return };
-        if untrack(|| self.blocked(app, false)).is_some() {
+        if untrack(|| app.blocked(false)).is_some() {
             return;
         }
         let mut reaches = first.to_vec();

@@ -95,7 +95,6 @@ fn ended_card(app: &'static Workbench, device: &'static Device, report: &Report,
 /// Where the device is, as far as that is known, and how to get there.
 fn place(app: &'static Workbench, report: &Report) -> Option<El> {
     let language = app.language.get();
-    let configure = &app.configure;
     if let Some(reach) = &report.reach {
         let text = words::reach(language, reach);
         return Some(
@@ -113,7 +112,7 @@ fn place(app: &'static Workbench, report: &Report) -> Option<El> {
     let candidate = |reach: &Reach| {
         let reach = *reach;
         bare("small", "candidate")
-            .flag("disabled", move || configure.blocked(app, false).is_some())
+            .flag("disabled", move || app.blocked(false).is_some())
             .text(&language.cfg_connect_with(&words::reach(language, &reach)))
             .click(move || {
                 app.find_device(Scope { reaches: vec![reach], everywhere: false, units: Vec::new() });
@@ -131,7 +130,7 @@ fn place(app: &'static Workbench, report: &Report) -> Option<El> {
 /// What can be done about it.
 fn ways_on(app: &'static Workbench, report: &Report, told: &Told) -> Vec<El> {
     let configure = &app.configure;
-    let blocked = move |write| configure.blocked(app, write).is_some();
+    let blocked = move |write| app.blocked(write).is_some();
     let mut all = Vec::new();
     if let Some(journal) = report.journal {
         let finish = button(app, "primary", "report-finish", Language::cfg_finish)

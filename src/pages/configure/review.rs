@@ -108,7 +108,7 @@ fn about(app: &'static Workbench, profile: &Profile, steps: usize, is_lost: bool
         1 => language.cfg_cost_one().to_owned(),
         count => language.cfg_cost(count),
     };
-    let worn = app.configure.worn(app).map(|count| {
+    let worn = app.worn().map(|count| {
         let count = format::count(count);
         match profile.timing.flash_writes {
             0 => language.cfg_worn_unknown(&count),
@@ -237,7 +237,7 @@ fn answers(app: &'static Workbench, profile: &'static Profile, plan: &Plan) -> E
     };
     let why = move || {
         let language = app.language.get();
-        let blocked = configure.blocked(app, true).map(|blocked| blocked.text(language).to_owned());
+        let blocked = app.blocked(true).map(|blocked| blocked.text(language).to_owned());
         blocked.or_else(|| missing.get().then(|| language.cfg_confirm_missing().to_owned()))
     };
     let write = crate::components::button::bare(if grave { "danger" } else { "primary" }, "write")

@@ -51,6 +51,8 @@ pub(super) fn run_card(app: &'static Workbench) -> El {
         Some(key.unwrap_or("beginning").to_owned())
     };
     let writes = matches!(kind, Kind::Apply | Kind::Recover);
+    // What loses the settings cannot be put back.
+    let puts_back = plan.as_ref().is_some_and(|plan| plan.ends.is_some());
     el("section")
         .class("card cfg-work")
         .test("run-card")
@@ -82,7 +84,7 @@ pub(super) fn run_card(app: &'static Workbench) -> El {
                         .child(icon(Icon::Stop))
                         .child(el("span").live_text(move || {
                             let language = app.language.get();
-                            if writes { language.cfg_cancel_undo() } else { language.cfg_cancel() }.to_owned()
+                            if puts_back { language.cfg_cancel_undo() } else { language.cfg_cancel() }.to_owned()
                         }))
                         .click(|| app.cancel_configuring()),
                 )

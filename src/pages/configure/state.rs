@@ -1,12 +1,13 @@
 //! What the Configure page knows: the parameters as they were read, what is staged, what is reviewed, what has come of it.
 
-use buslens_analyst::configure::{DeviceKey, Hindrance};
+use buslens_analyst::configure::Hindrance;
 use buslens_analyst::line::PortState;
 use buslens_codec::profile::Profile;
-use buslens_configure::{Edit, Hazard, Phase, Plan, Reach, Refusal, Report, Snapshot, StepOutcome};
+use buslens_configure::{Edit, Hazard, Plan, Reach, Refusal, Report, Snapshot, StepOutcome};
 
 use super::file::Told;
 use crate::configure::staged::{Staged, Verdicts};
+use crate::configure::words;
 use crate::configuring::{Ended, Kind, Running};
 use crate::device::{self, Device};
 use crate::dom::react;
@@ -52,6 +53,9 @@ pub(super) enum Wish {
     /// A command.
     Command(Edit),
 }
+
+/// Edits, and the plan that brings them about, or why there is none.
+pub(super) type Planned = (Vec<Edit>, Result<Plan, Vec<Refusal>>);
 
 /// What stands in the way of reading, writing or searching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +123,7 @@ impl Configure {
     }
 
     /// What is under review: the edits and the plan that brings them about, or why there is none.
-    pub(super) fn plan(&self, app: &'static Workbench) -> Option<(Vec<Edit>, Result<Plan, Vec<Refusal>>)> {
+    pub(super) fn plan(&self, app: &'static Workbench) -> Option<Planned> {
         let wish = self.reviewing.get()?;
         let profile = self.device(app)?.profile();
         let have = self.have(app, profile);
@@ -139,25 +143,9 @@ impl Configure {
         })
     }
 
-    /// What stands in the way of reading or searching; and with `write` of writing.
-    pub(super) fn blocked(&self, app: &'static Workbench, write: bool) -> Option<Blocked> {
-        let line = app.console.line.with(|line| line.as_ref().map(|line| (line.port, line.replay, line.read_only)));
-        let Some((port, replay, read_only)) = line else { return Some(Blocked::Closed) };
-        if replay {
-            return Some(Blocked::Replay);
-        }
-        match port {
-            _ if app.configuring.is_busy() => Some(Blocked::Running),
-            PortState::Gone => Some(Blocked::Closed),
-            PortState::Changing => Some(Blocked::Opening),
-            _ if write && read_only => Some(Blocked::ReadOnly),
-            PortState::Open | PortState::Refused => None,
-        }
-    }
-
     /// Reads everything anew.
     pub(super) fn read(&self, app: &'static Workbench) {
-        if untrack(|| self.blocked(app, false)).is_none() {
+        if untrack(|| app.blocked(false)).is_none() {
             self.read_fault.set(None);
             app.read_device();
         }
@@ -175,7 +163,7 @@ impl Configure {
     pub(super) fn write(&self, app: &'static Workbench) {
         let Some((edits, Ok(plan))) = untrack(|| self.plan(app)) else { return };
         let confirmed = self.confirmed.get_untracked();
-        let blocked = untrack(|| self.blocked(app, true)).is_some();
+        let blocked = untrack(|| app.blocked(true)).is_some();
         let unconfirmed = plan.hazards.iter().any(|hazard| !confirmed.contains(hazard));
         let Some(profile) = untrack(|| self.device(app)).map(Device::profile) else { return };
         if blocked || unconfirmed || plan.steps.is_empty() {
@@ -192,17 +180,6 @@ impl Configure {
     /// The journal that the report on the page is about.
     pub(super) fn reported_journal(&self) -> Option<u64> {
         self.report.with(|ended| ended.as_ref().and_then(|ended| ended.outcome.as_ref().ok()?.journal))
-    }
-
-    /// How often the connected device was written from here.
-    pub(super) fn worn(&self, app: &'static Workbench) -> Option<u64> {
-        let target = app.target()?;
-        let key = DeviceKey {
-            profile: target.device.id().to_owned(),
-            unit: target.reach.unit.0,
-            simulated: target.simulated,
-        };
-        Some(app.configuring.writes_of(&key))
     }
 
     /// Takes in how something has ended.
@@ -249,11 +226,36 @@ impl Configure {
     fn forget_written(&self, report: &Report) {
         self.stage(|staged| {
             for step in &report.steps {
-                if matches!(step.outcome, StepOutcome::Confirmed | StepOutcome::Acknowledged) {
+                use StepOutcome::{Acknowledged, Confirmed, Overwritten};
+                if matches!(step.outcome, Confirmed | Acknowledged | Overwritten) {
                     staged.revert(&step.point);
                 }
             }
         });
+    }
+}
+
+impl Workbench {
+    /// What stands in the way of reading or searching; and with `write` of writing.
+    pub(super) fn blocked(&self, write: bool) -> Option<Blocked> {
+        let line = self.console.line.with(|line| line.as_ref().map(|line| (line.port, line.replay, line.read_only)));
+        let Some((port, replay, read_only)) = line else { return Some(Blocked::Closed) };
+        if replay {
+            return Some(Blocked::Replay);
+        }
+        match port {
+            _ if self.configuring.is_busy() => Some(Blocked::Running),
+            PortState::Gone => Some(Blocked::Closed),
+            PortState::Changing => Some(Blocked::Opening),
+            _ if write && read_only => Some(Blocked::ReadOnly),
+            PortState::Open | PortState::Refused => None,
+        }
+    }
+
+    /// How often the connected device was written from here.
+    pub(super) fn worn(&self) -> Option<u64> {
+        let target = self.target()?;
+        Some(self.configuring.writes_of(&target.key()))
     }
 }
 
@@ -296,13 +298,11 @@ pub(crate) fn follow(app: &'static Workbench) {
         }
     });
     react(move || {
-        let step = app.configuring.running.with(|running| match running {
-            Some(Running { progress: Some(progress), .. }) => match progress.phase {
-                Phase::Writing { step } => Some(step),
-                _ => None,
-            },
+        let phase = app.configuring.running.with(|running| match running {
+            Some(Running { kind: Kind::Apply, progress: Some(progress), .. }) => Some(progress.phase.clone()),
             _ => None,
         });
+        let step = configure.writing.with_untracked(|plan| words::step_of(plan.as_ref()?, phase.as_ref()?));
         if step.is_some() {
             configure.last_step.set(step);
         }
@@ -327,7 +327,8 @@ pub(super) fn read_when_new(app: &'static Workbench) {
     let configure = &app.configure;
     react(move || {
         let target = app.target().map(|target| (target.device.id().to_owned(), target.reach.unit.0));
-        let open = configure.blocked(app, false).is_none();
+        // Nobody knows how a device with an open journal is reached: the ways on that its report offers come first.
+        let open = app.blocked(false).is_none() && configure.reported_journal().is_none();
         let known = configure.read_for.get();
         match target {
             // Unplugged or closed: it is read again when it is back.

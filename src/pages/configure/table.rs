@@ -104,7 +104,7 @@ fn head(app: &'static Workbench, device: &'static Device) -> El {
         )
         .child(
             icon_button(app, "quiet small", "read-again", Icon::Reset, Language::cfg_read_again)
-                .flag("disabled", move || configure.blocked(app, false).is_some())
+                .flag("disabled", move || app.blocked(false).is_some())
                 .live_attr("title", move || blocked_title(app))
                 .click(move || configure.read(app)),
         )
@@ -117,7 +117,7 @@ fn head(app: &'static Workbench, device: &'static Device) -> El {
 }
 
 fn blocked_title(app: &'static Workbench) -> Option<String> {
-    app.configure.blocked(app, false).map(|blocked| blocked.text(app.language.get()).to_owned())
+    app.blocked(false).map(|blocked| blocked.text(app.language.get()).to_owned())
 }
 
 fn read_progress(app: &'static Workbench, language: Language) -> String {
@@ -139,7 +139,7 @@ fn time(language: Language, unix_ms: u64) -> String {
 /// What stands in the way, and what is to be known.
 fn hints(app: &'static Workbench, device: &'static Device) -> El {
     let configure = &app.configure;
-    let blocked = Memo::new(move |_| configure.blocked(app, true).filter(|why| *why != Blocked::Running));
+    let blocked = Memo::new(move |_| app.blocked(true).filter(|why| *why != Blocked::Running));
     let simulated = Memo::new(move |_| app.target().is_some_and(|target| target.simulated));
     el("div").class("cfg-hints").live(move || {
         let language = app.language.get();
@@ -198,6 +198,8 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
         let have = configure.have(app, profile);
         row::factory(app.language.get(), profile, point, &have).unwrap_or_default()
     };
+    // On a phone the column has no head.
+    let label = move || (!factory().is_empty()).then(|| app.language.get().cfg_factory().to_owned());
     let mark = move || {
         let differs = held.with(|held| held.factory == Some(false));
         let language = app.language.get();
@@ -237,7 +239,13 @@ fn point_row(app: &'static Workbench, device: &'static Device, point: &'static P
         .child(name)
         .child(el("td").class("cfg-register").child(el("code").text(&register)))
         .child(now)
-        .child(el("td").class("number cfg-factory").live_one(mark).child(el("span").live_text(factory)))
+        .child(
+            el("td")
+                .class("number cfg-factory")
+                .live_attr("data-label", label)
+                .live_one(mark)
+                .child(el("span").live_text(factory)),
+        )
         .child(el("td").class("cfg-editor").child(editor(app, device, point, (held, verdicts))))
 }
 

@@ -398,10 +398,10 @@ mod tests {
         assert_eq!(loaded.id, [&first.id, "-2"].concat());
         assert_eq!(loaded.name.en, [&first.name.en, " (2)"].concat());
         let file = File { key: 1, saved: Some(copy.clone()), draft: None };
-        let again = free_id(&[file.clone()], None, &loaded.id);
+        let again = free_id(std::slice::from_ref(&file), None, &loaded.id);
         let again = profile(&numbered(&copy, &loaded.id, &again).unwrap());
         assert_eq!((again.id, again.name.zh), ([&first.id, "-3"].concat(), [&first.name.zh, " (3)"].concat()));
-        assert_eq!(taken(&[file.clone()], Some(1), &loaded.id), None);
+        assert_eq!(taken(std::slice::from_ref(&file), Some(1), &loaded.id), None);
         assert_eq!(taken(&[file], None, &loaded.id).unwrap().by, Owner::Own(1));
         assert_eq!(taken(&[], None, &first.id).unwrap(), Taken { by: Owner::BuiltIn, free });
     }
