@@ -319,7 +319,7 @@ fn build() {
             Page::Live => live_page(app),
             page => {
                 let place = loader::place(app, move || ToWorkbench::Page(Some(page)), ToWorkbench::Page(None));
-                let needs_port = matches!(page, Page::Console | Page::Configure);
+                let needs_port = matches!(page, Page::Console | Page::Configure | Page::Fleet);
                 if needs_port { connect_above(app).child(place) } else { place }
             }
         })

@@ -34,8 +34,8 @@ pub(crate) struct Configuring {
     /// The snapshots that are kept, each with its number; `None` until they have been asked for.
     pub(crate) snapshots: RwSignal<Option<Vec<(u64, Snapshot)>>>,
     last_run: StoredValue<u32>,
-    /// What waits until the worker has told of the line.
-    waiting: StoredValue<Option<(u32, Task)>>,
+    /// What waits until the worker has told of the line, and for a device that was found elsewhere where that is.
+    waiting: StoredValue<Option<(u32, Task, Option<Reach>)>>,
 }
 
 /// Something under way.
@@ -189,6 +189,22 @@ impl Workbench {
         self.begin(Kind::Apply, Task::Apply { before, edits, confirmed })
     }
 
+    /// Reads all parameters of a device of the connected kind, which was just found elsewhere.
+    pub(crate) fn read_at(&'static self, reach: Reach) -> Option<u32> {
+        self.begin_at(Some(reach), Kind::Read, Task::Read)
+    }
+
+    /// Writes such a device; see [`Workbench::apply`].
+    pub(crate) fn apply_at(
+        &'static self,
+        reach: Reach,
+        before: Snapshot,
+        edits: Vec<Edit>,
+        confirmed: Vec<Hazard>,
+    ) -> Option<u32> {
+        self.begin_at(Some(reach), Kind::Apply, Task::Apply { before, edits, confirmed })
+    }
+
     /// Searches for the connected device.
     pub(crate) fn find_device(&'static self, scope: Scope) -> Option<u32> {
         self.begin(Kind::Find, Task::Find { scope })
@@ -210,7 +226,7 @@ impl Workbench {
             }
         });
         match self.configuring.waiting.try_update_value(Option::take).flatten() {
-            Some((run, _)) => self.configuring.end(run, Err(Hindrance::Cancelled)),
+            Some((run, ..)) => self.configuring.end(run, Err(Hindrance::Cancelled)),
             None => tell(ToConfigure::Cancel),
         }
     }
@@ -271,9 +287,13 @@ impl Workbench {
     }
 
     fn begin(&'static self, kind: Kind, task: Task) -> Option<u32> {
+        self.begin_at(None, kind, task)
+    }
+
+    fn begin_at(&'static self, at: Option<Reach>, kind: Kind, task: Task) -> Option<u32> {
         self.start_console();
         let run = self.configuring.begin(kind)?;
-        self.configuring.waiting.set_value(Some((run, task)));
+        self.configuring.waiting.set_value(Some((run, task, at)));
         untrack(|| self.hand_on());
         Some(run)
     }
@@ -292,9 +312,10 @@ impl Workbench {
             return;
         }
         let waiting = self.configuring.waiting.try_update_value(Option::take).flatten();
-        let Some((run, task)) = waiting else { return };
+        let Some((run, task, at)) = waiting else { return };
         match self.target() {
             Some(Target { profile, reach, .. }) => {
+                let reach = at.unwrap_or(reach);
                 tell(ToConfigure::Begin { run, task, profile: profile.to_owned(), reach });
             }
             None => self.configuring.end(run, Err(Hindrance::NoPort)),

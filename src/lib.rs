@@ -21,6 +21,7 @@ mod device;
 mod diagnosis;
 mod dom;
 mod engine;
+mod fleet;
 mod format;
 mod history;
 mod link;

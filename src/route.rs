@@ -21,6 +21,8 @@ pub(crate) enum Page {
     Console,
     /// `#/configure`.
     Configure,
+    /// `#/fleet`.
+    Fleet,
 }
 
 impl Page {
@@ -32,6 +34,7 @@ impl Page {
             "console" => Self::Console,
             "profiles" => Self::Profiles,
             "configure" => Self::Configure,
+            "fleet" => Self::Fleet,
             _ => Self::Live,
         }
     }
@@ -178,6 +181,7 @@ mod tests {
     fn pages_have_addresses() {
         assert_eq!(Page::of("#/builder"), Page::Builder);
         assert_eq!(Page::of("#/configure"), Page::Configure);
+        assert_eq!(Page::of("#/fleet"), Page::Fleet);
     }
 
     #[test]

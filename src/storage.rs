@@ -29,6 +29,11 @@ pub(crate) fn forget(key: &str) {
     }
 }
 
+/// Saves a string; whether there was room for it.
+pub(crate) fn has_saved(key: &str, value: &str) -> bool {
+    local().is_some_and(|store| store.set_item(&full(key), value).is_ok())
+}
+
 /// A signal that starts with what was saved, or `default`, and saves every change.
 pub(crate) fn kept(key: &'static str, default: &str) -> RwSignal<String> {
     let signal = RwSignal::new(load(key).unwrap_or_else(|| default.to_owned()));

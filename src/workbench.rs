@@ -17,9 +17,9 @@ use crate::device;
 use crate::dom::{self, El, Handle, el};
 use crate::message::{Exchange, ToEngine, ToWorkbench};
 use crate::pages::{
-    Configure, Console, Decoder, Handling, Profiles, banner, builder_page, configure_page, console_page, decoder_page,
-    exchange_halves, follow_configuring, handling, help_sheet, listen_at_console, listen_at_profiles, marks, open_help,
-    profiles_page,
+    Configure, Console, Decoder, Fleet, Handling, Profiles, banner, builder_page, configure_page, console_page,
+    decoder_page, exchange_halves, fleet_page, follow_configuring, follow_fleet, handling, help_sheet,
+    listen_at_console, listen_at_profiles, marks, open_help, profiles_page,
 };
 use crate::profiles;
 use crate::reactive::prelude::*;
@@ -46,6 +46,8 @@ pub(crate) struct Workbench {
     pub(crate) configuring: Configuring,
     /// The Configure page's state.
     pub(crate) configure: Configure,
+    /// The Fleet page's state.
+    pub(crate) fleet: Fleet,
     /// The Decoder page's state.
     pub(crate) decoder: Decoder,
     /// The Profiles page's state.
@@ -81,6 +83,7 @@ impl Workbench {
             console: Console::remembered(),
             configuring: Configuring::new(),
             configure: Configure::remembered(),
+            fleet: Fleet::remembered(),
             decoder: Decoder::remembered(),
             profiles: Profiles::remembered(),
             sums: RwSignal::new(None),
@@ -232,6 +235,7 @@ fn start(language: Language, beside: JsValue) {
         state.follow_line();
         listen_at_console(state, || state.page.get_untracked() == Some(Page::Console));
         follow_configuring(state);
+        follow_fleet(state);
         if let Some(place) = document().get_element_by_id("notices") {
             banner(state).handle().move_into(&place);
         }
@@ -246,6 +250,7 @@ fn start(language: Language, beside: JsValue) {
                 Page::Console => console_page(state),
                 Page::Profiles => profiles_page(state),
                 Page::Configure => configure_page(state),
+                Page::Fleet => fleet_page(state),
             })
         });
         let shown = Memo::new(move |_| state.exchange.with(Option::is_some));

@@ -17,6 +17,8 @@ pub(crate) enum Icon {
     Profiles,
     /// Three sliders: settings of a device.
     Configure,
+    /// Sheets one behind the other: many devices.
+    Fleet,
     /// A star: a mark.
     Mark,
     /// A pencil: words.
@@ -75,6 +77,7 @@ impl Icon {
             Self::Builder => "M2 7h4v5H2zM6 7h5v5H6zM13.5 9.5h4M15.5 7.5v4",
             Self::Console => "M2 3.5h14v11H2zM5 7l2.4 2L5 11M9 11.5h4",
             Self::Configure => "M2.5 4.5h13M2.5 9h13M2.5 13.5h13M6 3v3M12 7.5v3M7.5 12v3",
+            Self::Fleet => "M2.5 7.5h9v8h-9zM5 5h9v8M7.5 2.5h8v8",
             Self::Mark => "M9 2.2l2 4.4 4.8.5-3.6 3.2 1 4.7L9 12.6 4.8 15l1-4.7L2.2 7.1 7 6.6z",
             Self::Comment => "M3 15l.8-3.4L12.2 3.2l2.6 2.6-8.4 8.4zM10.6 4.8l2.6 2.6",
             Self::Follow => "M9 2.5v8.5M5 7.5l4 4 4-4M3.5 15h11",

@@ -10,3 +10,4 @@ pub(crate) mod icon;
 pub(crate) mod list;
 pub(crate) mod sheet;
 pub(crate) mod shell;
+pub(crate) mod tabs;

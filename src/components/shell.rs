@@ -21,6 +21,7 @@ pub(crate) fn rail(app: &'static App) -> El {
     let console = move || app.page.get() == Page::Console;
     let decoder = move || app.page.get() == Page::Decoder;
     let configure = move || app.page.get() == Page::Configure;
+    let fleet = move || app.page.get() == Page::Fleet;
     let builder = move || app.page.get() == Page::Builder;
     let profiles = move || app.page.get() == Page::Profiles;
     let mark = svg("svg").class("brand-mark").attr("viewBox", "0 0 20 20").attr("aria-hidden", "true");
@@ -38,6 +39,7 @@ pub(crate) fn rail(app: &'static App) -> El {
         .child(el("div").class("brand").child(mark).child(el("span").text("Buslens")))
         .child(page_link(app, "#/live", "nav-live", Icon::Live, Language::live, live).child(rate))
         .child(page_link(app, "#/configure", "nav-configure", Icon::Configure, Language::configure, configure))
+        .child(page_link(app, "#/fleet", "nav-fleet", Icon::Fleet, Language::fleet, fleet))
         .child(page_link(app, "#/console", "nav-console", Icon::Console, Language::console, console))
         .child(page_link(app, "#/decoder", "nav-decoder", Icon::Decoder, Language::decoder, decoder))
         .child(page_link(app, "#/builder", "nav-builder", Icon::Builder, Language::builder, builder))

@@ -9,6 +9,7 @@ mod review;
 mod run;
 mod state;
 mod table;
+mod transfer;
 
 use crate::components::icon::{Icon, icon};
 use crate::dom::{self, El, el};
@@ -18,6 +19,7 @@ use crate::workbench::Workbench;
 
 pub(crate) use banner::banner;
 pub(crate) use state::{Configure, follow as follow_configuring};
+pub(crate) use transfer::{hindrance, hint as configure_hint};
 
 use crate::configuring::Kind;
 

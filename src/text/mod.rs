@@ -11,6 +11,7 @@ mod decoder;
 mod desk;
 mod diagnosis;
 mod faults;
+mod fleet;
 mod handling;
 mod help;
 mod live;
@@ -100,6 +101,7 @@ mod tests {
             live::ALL,
             faults::ALL,
             help::ALL,
+            fleet::ALL,
             decoder::ALL,
             anatomy::ALL,
             diagnosis::ALL,

@@ -238,12 +238,13 @@ fn replace(text: &str, quoted: &str, name: &str) -> Result<String> {
 }
 
 /// Style sheets of what only the workbench draws.
-const WORKBENCH_STYLES: [&str; 11] = [
+const WORKBENCH_STYLES: [&str; 12] = [
     "builder",
     "bytes",
     "configure",
     "console",
     "decoder",
+    "fleet",
     "handling",
     "help",
     "list",

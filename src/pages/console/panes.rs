@@ -8,6 +8,7 @@ use crate::components::desk::NOTHING;
 use crate::components::desk::detail::detail;
 use crate::components::desk::tools::statistics;
 use crate::components::icon::{Icon, icon};
+use crate::components::tabs::{place, tab_id, tabs};
 use crate::dom::{self, El, el};
 use crate::reactive::prelude::*;
 use crate::text::{Label, Language};
@@ -21,50 +22,13 @@ pub(super) const PANES: [(&str, Label); 4] = [
     ("sequence", Language::pane_sequence),
 ];
 
+/// The id of what the tabs show.
+const PANEL: &str = "console-pane";
+
 /// The panes; one of them is open.
 pub(super) fn panes(app: &'static Workbench) -> El {
     let console = &app.console;
-    let open = Memo::new(move |_| {
-        let known = console.tab.with(|tab| PANES.iter().position(|(key, _)| tab == key));
-        known.unwrap_or(0)
-    });
-    let tab = |(at, &(key, text)): (usize, &(&'static str, Label))| {
-        el("button")
-            .attr("type", "button")
-            .attr("role", "tab")
-            .attr("id", &["pane-tab-", key].concat())
-            .attr("aria-controls", "console-pane")
-            .test(&["pane-", key].concat())
-            .state("aria-selected", move || open.get() == at)
-            .live_attr("tabindex", move || Some(if open.get() == at { "0" } else { "-1" }.to_owned()))
-            .click(move || console.tab.set(key.to_owned()))
-            .say(app, text)
-    };
-    let tabs = el("div")
-        .class("pane-tabs")
-        .attr("role", "tablist")
-        .label(app, Language::panes)
-        .children(PANES.iter().enumerate().map(tab))
-        .on("keydown", move |event| {
-            let last = PANES.len() - 1;
-            let now = open.get_untracked();
-            let next = match dom::key(&event).as_str() {
-                "ArrowRight" => {
-                    if now == last {
-                        0
-                    } else {
-                        now + 1
-                    }
-                }
-                "ArrowLeft" => now.checked_sub(1).unwrap_or(last),
-                _ => return,
-            };
-            if let Some((key, _)) = PANES.get(next) {
-                event.prevent_default();
-                console.tab.set((*key).to_owned());
-                dom::focus(&["pane-tab-", *key].concat());
-            }
-        });
+    let open = Memo::new(move |_| place(&PANES, &console.tab.get()));
     let content = move || {
         Some(match open.get() {
             0 => frame_pane(app),
@@ -73,12 +37,12 @@ pub(super) fn panes(app: &'static Workbench) -> El {
             _ => sequence_pane(app),
         })
     };
-    el("section").class("card panes").child(tabs).child(
+    el("section").class("card panes").child(tabs(app, Language::panes, "pane-", PANEL, &PANES, console.tab)).child(
         el("div")
             .class("pane")
-            .attr("id", "console-pane")
+            .attr("id", PANEL)
             .attr("role", "tabpanel")
-            .live_attr("aria-labelledby", move || PANES.get(open.get()).map(|(key, _)| ["pane-tab-", *key].concat()))
+            .live_attr("aria-labelledby", move || PANES.get(open.get()).map(|(key, _)| tab_id(PANEL, key)))
             .live_one(content),
     )
 }

@@ -1,15 +1,16 @@
 //! Takes pictures of every page in its main states, in both languages and themes and at three widths, to be looked at by
-//! people: `photos <address of the site> <folder>`. A new page adds its states to [`SCENES`].
+//! people: `photos <address of the site> <folder> [beginning of the scenes' names]`. A new page adds its states to
+//! [`SCENES`].
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{env, fs};
 
-use buslens_bus::sim::{Line, Lvdt, Motion};
+use buslens_bus::sim::{Device as _, Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
 use buslens_tests::pages::{
-    BuilderPage, ConfigurePage, ConsolePage, DecoderPage, Handling, HelpSheet, LivePage, ProfilesPage, State,
-    set_read_only,
+    BuilderPage, ConfigurePage, ConsolePage, DecoderPage, FleetPage, Handling, HelpSheet, LivePage, ProfilesPage,
+    State, set_read_only,
 };
 use buslens_tests::testbed::{Bench, Browser, Look};
 
@@ -46,6 +47,12 @@ enum Scene {
     HelpLvdt,
     HelpGauge,
     HelpLevel,
+    FleetSnapshots,
+    FleetSetup,
+    FleetNext,
+    FleetFailed,
+    FleetLabels,
+    FleetLog,
     ConfigureTable,
     ConfigureStaged,
     ConfigureReview,
@@ -56,7 +63,7 @@ enum Scene {
 }
 
 /// Every scene with the name of its pictures. The crash comes last: the page does not survive it.
-const SCENES: [(&str, Scene); 34] = [
+const SCENES: [(&str, Scene); 40] = [
     ("live-empty", Scene::LiveEmpty),
     ("live-reading", Scene::LiveReading),
     ("live-level", Scene::LiveLevel),
@@ -84,6 +91,12 @@ const SCENES: [(&str, Scene); 34] = [
     ("help-lvdt", Scene::HelpLvdt),
     ("help-gauge", Scene::HelpGauge),
     ("help-level", Scene::HelpLevel),
+    ("fleet-snapshots", Scene::FleetSnapshots),
+    ("fleet-setup", Scene::FleetSetup),
+    ("fleet-next", Scene::FleetNext),
+    ("fleet-failed", Scene::FleetFailed),
+    ("fleet-labels", Scene::FleetLabels),
+    ("fleet-log", Scene::FleetLog),
     ("configure-table", Scene::ConfigureTable),
     ("configure-staged", Scene::ConfigureStaged),
     ("configure-review", Scene::ConfigureReview),
@@ -105,11 +118,12 @@ async fn main() {
     };
     let site = site.into_string().expect("an address is text");
     let album = PathBuf::from(album);
+    let wanted = arguments.next().and_then(|wanted| wanted.into_string().ok()).unwrap_or_default();
     for language in LANGUAGES {
         let look = Look { language, ..Look::default() };
         let line = Line::new([Lvdt::new(1, Motion::Swing)], 1);
         let bench = Bench::at(&site, buslens_tests::testbed::Wire::new(line), look).await;
-        for (name, scene) in SCENES {
+        for (name, scene) in SCENES.into_iter().filter(|(name, _)| name.starts_with(&wanted)) {
             set(&bench, &site, scene).await;
             photograph(&bench, &album, name, look).await;
             println!("{name} {language}");
@@ -180,6 +194,12 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
         Scene::HelpLvdt => open_help(browser, "lvdt").await,
         Scene::HelpGauge => open_help(browser, "gauge-cable").await,
         Scene::HelpLevel => open_help(browser, "level").await,
+        Scene::FleetSnapshots
+        | Scene::FleetSetup
+        | Scene::FleetNext
+        | Scene::FleetFailed
+        | Scene::FleetLabels
+        | Scene::FleetLog => set_fleet(bench, site, scene).await,
         Scene::ConfigureTable
         | Scene::ConfigureStaged
         | Scene::ConfigureReview
@@ -348,6 +368,65 @@ async fn set_console(browser: &Browser, site: &str, scene: Scene) {
             page.drop_file("bench.log", FRAMES).await;
             page.wait_for_count("8").await;
             page.choose_row(5).await;
+        }
+        _ => {}
+    }
+}
+
+/// Brings the Fleet page into a scene. They follow each other.
+async fn set_fleet(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
+    let browser = &bench.browser;
+    let page = FleetPage { browser };
+    let plug = |presets: &[(u16, u16)]| {
+        bench.wire().with(|line, _| {
+            let sensor = line.device_mut(0).expect("the line has a sensor");
+            *sensor = Lvdt::new(1, Motion::Swing);
+            assert!(presets.iter().all(|&(register, value)| sensor.preset(register, value)), "{presets:?}");
+        });
+    };
+    match scene {
+        Scene::FleetSnapshots => {
+            browser.open(&format!("{site}/#/live")).await;
+            let live = LivePage::open(browser).await;
+            live.set_line(9600, Parity::Even).await;
+            live.set_unit(1).await;
+            live.connect().await;
+            live.wait_for(State::Reading).await;
+            let page = FleetPage::open_at(browser, site).await;
+            page.take("Press 4, left").await;
+            plug(&[(0x003F, 6), (0x0034, 1)]);
+            page.take("Press 4, after service").await;
+            page.compare_with_device(1).await;
+            page.wait_for_differences(2).await;
+        }
+        Scene::FleetSetup => {
+            plug(&[]);
+            page.pane("series").await;
+            browser.fill("series-first", "10").await;
+            browser.fill("series-skip", "12, 20-24").await;
+            browser.choose("give-baud", "0x0001").await;
+            browser.choose("give-sample_rate", "0x0006").await;
+            browser.wait_for("document.querySelector('[data-test=series-hazard]')").await;
+        }
+        Scene::FleetNext => {
+            browser.fill("series-skip", "").await;
+            page.begin_series(10, &[("baud", 4)]).await;
+            page.set_up("SN 2026-0815").await;
+            plug(&[]);
+            page.set_up("SN 2026-0816").await;
+        }
+        Scene::FleetFailed => page.set_up("").await,
+        Scene::FleetLabels => {
+            browser.click("series-later").await;
+            browser.choose("label-size", "list").await;
+        }
+        Scene::FleetLog => {
+            page.pane("audit").await;
+            page.wait_for_entries(6).await;
+            browser.click_nth("audit-row", 1).await;
+            plug(&[]);
+            browser.click("disconnect").await;
+            LivePage { browser }.wait_for(State::Closed).await;
         }
         _ => {}
     }
