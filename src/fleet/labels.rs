@@ -92,15 +92,15 @@ pub(crate) fn file(language: Language, profile: &Profile, series: &Series, date:
     };
     let points: Vec<_> =
         profile.points.iter().filter(|point| Some(point.id.as_str()) != of_unit && read(&point.id)).collect();
-    let mut head = vec![
+    let mut titles = vec![
         t.fleet_number().to_owned(),
         t.fleet_unit_id().to_owned(),
         t.fleet_name_or_serial().to_owned(),
         t.fleet_device().to_owned(),
         t.fleet_line().to_owned(),
     ];
-    head.extend(points.iter().map(|point| words::pick(t, &point.name).clone()));
-    head.extend([t.fleet_state().to_owned(), t.fleet_when().to_owned()]);
+    titles.extend(points.iter().map(|point| words::pick(t, &point.name).clone()));
+    titles.extend([t.fleet_state().to_owned(), t.fleet_when().to_owned()]);
     let row = |(at, sensor): (usize, &Sensor)| {
         let mut row = vec![
             (at + 1).to_string(),
@@ -117,7 +117,7 @@ pub(crate) fn file(language: Language, profile: &Profile, series: &Series, date:
         row.extend([state(t, &sensor.state).to_owned(), date(sensor.unix_ms)]);
         row
     };
-    csv(&head, &series.sensors.iter().enumerate().map(row).collect::<Vec<_>>())
+    csv(&titles, &series.sensors.iter().enumerate().map(row).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

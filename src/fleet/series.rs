@@ -75,7 +75,7 @@ pub(crate) enum Stage {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Failure {
     /// What was under way has ended otherwise than it should.
-    Ended(Stage, Report),
+    Ended(Stage, Box<Report>),
     /// It was not begun.
     Hindered(Hindrance),
     /// It answers where the device with this place in the series was left: that one is still plugged in.
@@ -358,7 +358,7 @@ fn failed(failure: Failure) -> State {
 
 fn ended(stage: Stage, report: &Report) -> Failure {
     // What it holds stands elsewhere.
-    Failure::Ended(stage, Report { snapshot: None, ..report.clone() })
+    Failure::Ended(stage, Box::new(Report { snapshot: None, ..report.clone() }))
 }
 
 /// Whether devices of this kind can be set up in a series: each needs a unit id of its own.

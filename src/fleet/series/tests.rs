@@ -26,6 +26,8 @@ fn at(unit: u8, baud: u32) -> Reach {
     reach
 }
 
+// As it comes from the worker.
+#[allow(clippy::unnecessary_wraps)]
 fn report(ending: Ending, reach: Option<Reach>, snapshot: Option<Snapshot>) -> Result<Report, Hindrance> {
     Ok(Report {
         ending,

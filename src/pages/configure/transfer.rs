@@ -21,29 +21,31 @@ pub(crate) fn hindrance(language: Language, why: &Hindrance) -> String {
     state::hindrance(language, why)
 }
 
+impl Workbench {
+    /// Why nothing can be read or searched now; with `write` written.
+    pub(crate) fn why_not(&self, write: bool) -> Option<&'static str> {
+        self.blocked(write).map(|why| why.text(self.language.get()))
+    }
+
+    /// The same as a sentence of the page, with what helps; `None` while something is under way, which shows by itself.
+    pub(crate) fn why_not_hint(&'static self, write: bool) -> Option<El> {
+        let why = self.blocked(write).filter(|why| *why != Blocked::Running)?;
+        let line = hint("info", why.text(self.language.get()));
+        Some(match why {
+            Blocked::ReadOnly => line.child(
+                button(self, "small", "allow-writes", Language::cfg_allow_writes)
+                    .click(move || self.console.order(buslens_analyst::line::ToLine::ReadOnly(false))),
+            ),
+            _ => line,
+        })
+    }
+}
+
 impl Configure {
     /// What the connected device was last read to hold, reached as it is now; `None` while nothing was read of it.
     pub(crate) fn held_by(&self, app: &'static Workbench) -> Option<Snapshot> {
         let profile = app.target()?.device.profile();
         Some(self.have(app, profile)).filter(|have| !have.data.is_empty())
-    }
-
-    /// Why nothing can be read or searched now; with `write` written.
-    pub(crate) fn why_not(&self, app: &'static Workbench, write: bool) -> Option<&'static str> {
-        app.blocked(write).map(|why| why.text(app.language.get()))
-    }
-
-    /// The same as a sentence of the page, with what helps; `None` while something is under way, which shows by itself.
-    pub(crate) fn why_not_hint(&self, app: &'static Workbench, write: bool) -> Option<El> {
-        let why = app.blocked(write).filter(|why| *why != Blocked::Running)?;
-        let line = hint("info", why.text(app.language.get()));
-        Some(match why {
-            Blocked::ReadOnly => line.child(
-                button(app, "small", "allow-writes", Language::cfg_allow_writes)
-                    .click(move || app.console.order(buslens_analyst::line::ToLine::ReadOnly(false))),
-            ),
-            _ => line,
-        })
     }
 
     /// Stages what a snapshot says otherwise than the connected device, and opens the review of it. Nothing is sent.

@@ -132,6 +132,7 @@ pub(super) fn log_card(app: &'static Workbench) -> El {
                     el("span")
                         .class("muted")
                         .test("audit-count")
+                        .live_attr("data-count", move || Some(total.get().to_string()))
                         .live_text(move || app.language.get().fleet_entries(&format::count(total.get().into()))),
                 )
                 .child(el("span").class("space"))

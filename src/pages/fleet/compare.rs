@@ -215,7 +215,7 @@ fn transfer(app: &'static Workbench, language: Language, profile: &'static Profi
     };
     let snapshot = wanted.clone();
     let go = button(app, "primary", "bring", Language::fleet_to_review)
-        .flag("disabled", move || blocked || app.configure.why_not(app, true).is_some())
+        .flag("disabled", move || blocked || app.why_not(true).is_some())
         .click(move || app.configure.bring_snapshot(app, &snapshot, with_unit));
     let cannot = (!refused.is_empty()).then(|| {
         let line = |refusal: &Refusal| {
@@ -237,6 +237,6 @@ fn transfer(app: &'static Workbench, language: Language, profile: &'static Profi
     let foot = el("footer")
         .child(go)
         .child(el("span").class("muted").text(language.fleet_to_review_hint()))
-        .live_one(move || app.configure.why_not(app, true).map(|why| hint("info", why)));
+        .live_one(move || app.why_not(true).map(|why| hint("info", why)));
     Some(el("div").class("fleet-transfer").test("transfer").child(body).child(foot))
 }

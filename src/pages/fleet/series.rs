@@ -1,5 +1,7 @@
 //! A series: one device after the other is plugged in, found, given its unit id and settings, and proven.
 
+use std::cmp::Ordering;
+
 use buslens_codec::profile::Profile;
 use buslens_configure::{Hazard, Refusal};
 
@@ -12,7 +14,7 @@ use crate::configure::words;
 use crate::dom::{self, El, el};
 use crate::fleet::series::{Failure, Series, Stage, State};
 use crate::reactive::prelude::*;
-use crate::text::Language;
+use crate::text::{Label, Language};
 use crate::workbench::Workbench;
 
 /// The pane.
@@ -101,7 +103,7 @@ fn notes(app: &'static Workbench) -> El {
     el("div").class("cfg-hints").live(move || {
         let language = app.language.get();
         let mut all = Vec::new();
-        all.extend(app.configure.why_not_hint(app, true));
+        all.extend(app.why_not_hint(true));
         let other = app.target().filter(|target| {
             fleet.series.with(|series| series.as_ref().is_some_and(|all| all.setup.profile != target.device.id()))
         });
@@ -208,17 +210,15 @@ fn running(app: &'static Workbench, place: usize) -> Vec<El> {
     };
     let steps = STAGES.iter().map(|(of, text)| {
         let at = *of as u8;
-        let step = move || {
+        let standing = move || {
             let now = stage.get().map_or(u8::MAX, |stage| stage as u8);
-            if now == at {
-                "running"
-            } else if now > at {
-                "done"
-            } else {
-                "waiting"
+            match now.cmp(&at) {
+                Ordering::Less => "waiting",
+                Ordering::Equal => "running",
+                Ordering::Greater => "done",
             }
         };
-        el("li").live_attr("data-state", move || Some(step().to_owned())).say(app, *text)
+        el("li").live_attr("data-state", move || Some(standing().to_owned())).say(app, *text)
     });
     let language = app.language.get();
     let unit = fleet.series.with_untracked(|series| series.as_ref().and_then(|all| Some(all.sensors.get(place)?.unit)));
@@ -258,7 +258,7 @@ fn running(app: &'static Workbench, place: usize) -> Vec<El> {
 }
 
 /// What is done to each device, in order.
-const STAGES: [(Stage, fn(Language) -> &'static str); 4] = [
+const STAGES: [(Stage, Label); 4] = [
     (Stage::Finding, Language::fleet_stage_finding),
     (Stage::Reading, Language::fleet_stage_reading),
     (Stage::Writing, Language::fleet_stage_writing),
@@ -306,14 +306,14 @@ fn failed(app: &'static Workbench, place: usize) -> Vec<El> {
             if let Some(series) = series {
                 series.put_aside(place);
             }
-        })
+        });
     });
     let out = button(app, "quiet", "series-leave-out", Language::fleet_leave_out).click(move || {
         fleet.series.update(|series| {
             if let Some(series) = series {
                 series.leave_out(place);
             }
-        })
+        });
     });
     vec![
         el("div")
@@ -398,6 +398,6 @@ impl Fleet {
         let fits = app.target().is_some_and(|target| {
             self.series.with(|series| series.as_ref().is_some_and(|all| all.setup.profile == target.device.id()))
         });
-        fits && app.configure.why_not(app, true).is_none()
+        fits && app.why_not(true).is_none()
     }
 }

@@ -68,7 +68,7 @@ fn take_file(app: &'static Workbench, file: web_sys::File) {
 /// Where a new one is taken.
 fn take_row(app: &'static Workbench) -> El {
     let fleet = &app.fleet;
-    let blocked = move || app.configure.why_not(app, false).is_some();
+    let blocked = move || app.why_not(false).is_some();
     let name = el("input")
         .attr("type", "text")
         .attr("id", "fleet-name")
@@ -116,7 +116,7 @@ fn notes(app: &'static Workbench) -> El {
     el("div").class("cfg-hints").live(move || {
         let language = app.language.get();
         let mut all = Vec::new();
-        all.extend(app.configure.why_not_hint(app, false));
+        all.extend(app.why_not_hint(false));
         all.extend(reading().map(|text| hint("info", &text).attr("role", "status").test("snapshot-reading")));
         if let Some(fault) = app.configuring.store_fault.get() {
             all.push(hint("bad", &store_fault(language, &fault)).attr("role", "alert").test("store-fault"));
@@ -185,7 +185,7 @@ fn row(app: &'static Workbench, language: Language, number: u64, snapshot: &Snap
             fleet.left.set(number.to_string());
             fleet.right.set(DEVICE.to_owned());
             // Whatever was known of the device, it may hold something else now.
-            if untrack(|| app.configure.why_not(app, false).is_none()) {
+            if untrack(|| app.why_not(false).is_none()) {
                 fleet.look(app);
             }
             focus_compare();
@@ -234,6 +234,6 @@ fn focus_compare() {
 /// A button with an icon that reads the device again.
 pub(super) fn read_again(app: &'static Workbench) -> El {
     icon_button(app, "quiet small", "compare-read", Icon::Reset, Language::cfg_read_again)
-        .flag("disabled", move || app.configure.why_not(app, false).is_some())
+        .flag("disabled", move || app.why_not(false).is_some())
         .click(move || app.fleet.look(app))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{env, fs};
 
-use buslens_bus::sim::{Device as _, Line, Lvdt, Motion};
+use buslens_bus::sim::{Device, Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
 use buslens_tests::pages::{
     BuilderPage, ConfigurePage, ConsolePage, DecoderPage, FleetPage, Handling, HelpSheet, LivePage, ProfilesPage,
@@ -409,7 +409,6 @@ async fn set_fleet(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.wait_for("document.querySelector('[data-test=series-hazard]')").await;
         }
         Scene::FleetNext => {
-            browser.fill("series-skip", "").await;
             page.begin_series(10, &[("baud", 4)]).await;
             page.set_up("SN 2026-0815").await;
             plug(&[]);

@@ -83,8 +83,7 @@ impl<'a> FleetPage<'a> {
 
     /// Saves the snapshot in a row and returns the file.
     pub async fn save(&self, row: usize) -> String {
-        let console = ConsolePage { browser: self.browser };
-        console.catch_files().await;
+        let console = self.catch_files().await;
         self.browser.click_nth("snapshot-save", row).await;
         text(console.saved().await)
     }
@@ -106,7 +105,12 @@ impl<'a> FleetPage<'a> {
     /// Compares the snapshot in a row with the device as it is now, and waits until the device was read.
     pub async fn compare_with_device(&self, row: usize) {
         self.browser.click_nth("snapshot-compare", row).await;
-        self.browser.wait_for("document.querySelector('[data-test=transfer]')").await;
+        self.browser
+            .wait_for(
+                "document.querySelector('[data-test=transfer]') && \
+                 !document.querySelector('[data-test=compare-read]').disabled",
+            )
+            .await;
     }
 
     /// Waits for so many differences.
@@ -199,10 +203,18 @@ impl<'a> FleetPage<'a> {
 
     /// Saves the list of the series and returns the file.
     pub async fn save_series(&self) -> String {
-        let console = ConsolePage { browser: self.browser };
-        console.catch_files().await;
+        let console = self.catch_files().await;
         self.browser.click("series-export").await;
         text(console.saved().await)
+    }
+
+    /// Catches what is saved from now on.
+    async fn catch_files(&self) -> ConsolePage<'a> {
+        let console = ConsolePage { browser: self.browser };
+        if self.browser.run("return globalThis.saved === undefined").await == true {
+            console.catch_files().await;
+        }
+        console
     }
 
     // The log.
@@ -210,14 +222,13 @@ impl<'a> FleetPage<'a> {
     /// Waits until the log has so many entries.
     pub async fn wait_for_entries(&self, count: usize) {
         self.browser
-            .wait_for(&format!("document.querySelector('[data-test=audit-count]')?.innerText === 'entries: {count}'"))
+            .wait_for(&format!("document.querySelector('[data-test=audit-count][data-count=\"{count}\"]')"))
             .await;
     }
 
     /// Saves the log as `csv` or `jsonl` and returns the file.
     pub async fn save_log(&self, form: &str) -> String {
-        let console = ConsolePage { browser: self.browser };
-        console.catch_files().await;
+        let console = self.catch_files().await;
         self.browser.click("audit-export").await;
         self.browser.click(&format!("audit-{form}")).await;
         text(console.saved().await)
