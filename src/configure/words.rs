@@ -112,18 +112,23 @@ pub(crate) fn unfit(language: Language, profile: &Profile, point: &str, why: &Un
 
 /// What can be lost, in the profile's own words where it has some.
 pub(crate) fn hazard(language: Language, profile: &Profile, hazard: &Hazard) -> String {
-    let note = |point: &str| {
-        let note = profile.point(point).and_then(|point| point.note.as_ref());
-        note.map(|note| pick(language, note).clone()).unwrap_or_default()
+    let cost = |point: &str, registers: Option<&[u16]>| {
+        let cost = profile.point(point).and_then(|point| {
+            let value = registers.and_then(|registers| point.decode(registers).ok());
+            let written = value.and_then(|value| point.consequence_of(value)).or(point.consequence.as_ref());
+            let of_codes = || point.codes.iter().find_map(|code| code.consequence.as_ref());
+            written.or_else(of_codes).or(point.note.as_ref())
+        });
+        cost.map(|cost| pick(language, cost).clone()).unwrap_or_default()
     };
     let named = |point: &str| name(language, profile, point);
     let text = match hazard {
-        Hazard::Defaults { point } => language.cfg_hazard_defaults(&named(point), &note(point)),
-        Hazard::Search { point } => language.cfg_hazard_search(&named(point), &note(point)),
+        Hazard::Defaults { point } => language.cfg_hazard_defaults(&named(point), &cost(point, None)),
+        Hazard::Search { point } => language.cfg_hazard_search(&named(point), &cost(point, None)),
         Hazard::Grave { point, registers } => {
             let empty = Snapshot::empty(profile, Reach::of_factory(profile));
             let value = profile.point(point).map(|point| value(language, profile, point, registers, &empty));
-            language.cfg_hazard_grave(&named(point), &value.unwrap_or_default(), &note(point))
+            language.cfg_hazard_grave(&named(point), &value.unwrap_or_default(), &cost(point, Some(registers)))
         }
         Hazard::ReservedUnit { unit } => language.cfg_hazard_reserved(*unit),
         Hazard::SlowBaud { baud } => language.cfg_hazard_slow(*baud),
@@ -319,10 +324,7 @@ mod tests {
         let profile = device::find("level").profile();
         let save = Hazard::Grave { point: "save".to_owned(), registers: vec![1] };
         let text = hazard(Language::En, profile, &save);
-        assert!(
-            text.contains("to the factory area") && text.contains("overwrites what a restore brings back"),
-            "{text}"
-        );
+        assert!(text.contains("to the factory area") && text.contains("cannot be brought back"), "{text}");
         let restore = hazard(Language::Zh, profile, &Hazard::Search { point: "restore_factory".to_owned() });
         assert!(restore.contains("必须重新搜索"), "{restore}");
     }

@@ -32,6 +32,7 @@ const SENTENCES: &[(&str, &str)] = &[
     ),
     ("must be registers, read by function 3 or 4", "须为用功能码 3 或 4 读取的寄存器"),
     ("must name something to try", "须给出至少一项处理办法"),
+    ("only a command leaves a device in a state", "只有命令才会使设备处于某种状态"),
     (
         "{} must be a number that can be read, with the same unit and decimals",
         "{} 须为可读的数，且单位和小数位数与此相同",

@@ -171,7 +171,7 @@ texts! {
     fleet_end_not_sent => "not sent" | "未发送";
     fleet_export => "Save" | "保存";
     fleet_export_csv => "Table (CSV)" | "表格（CSV）";
-    fleet_export_jsonl => "JSON Lines" | "JSON Lines";
+    fleet_export_jsonl => "JSON Lines" | "JSON Lines 文件";
     fleet_clear => "Clear…" | "清空…";
     fleet_clear_question => "Forget all entries for good? The counts of writes stay." | "确定永久删除全部记录？写入次数会保留。";
     fleet_clear_now => "Forget them" | "删除";
