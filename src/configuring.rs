@@ -232,7 +232,8 @@ impl Workbench {
     }
 
     /// Forgets a journal: its device is left as it is.
-    pub(crate) fn discard_journal(journal: u64) {
+    pub(crate) fn discard_journal(&'static self, journal: u64) {
+        self.start_console();
         tell(ToConfigure::Discard(journal));
     }
 

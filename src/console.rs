@@ -237,7 +237,7 @@ mod tests {
         }
         assert_eq!(Line::of_bytes(frames[0]), line(Framing::Rtu, Check::Crc, "01 03 00 31 00 01"));
         assert_eq!(Line::of_bytes(frames[1]).framing, Framing::Ascii);
-        assert!(Line::of_bytes(&[]).outgoing().unwrap().bytes.is_empty());
+        assert_eq!(Line::of_bytes(&[]).outgoing().unwrap().bytes, [0_u8; 0]);
     }
 
     #[test]

@@ -25,11 +25,11 @@ use buslens_codec::intake::Form;
 use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_codec::profile::Profile;
 
-use crate::configure::{FromStore, Hindrance, ToConfigure, ToStore};
+use crate::configure::{FromStore, ToStore};
 use crate::desk::{Cursor, Desk};
 use crate::line::{End, FromLine, LineState, Outcome, ToLine};
 use crate::message::{Filter, FromConsole, ProfileChoice, Progress, Replay, Rows, Statistics, ToConsole};
-use configuring::{Around, Configuring};
+use configuring::Configuring;
 use ledger::Ledger;
 use outbox::{News, Outbox};
 use playback::Playback;
@@ -407,44 +407,6 @@ impl Console {
             Some(state) if crosses && self.configuring.is_busy() => self.out.tell(FromConsole::Line(state.clone())),
             _ => self.out.order(order),
         }
-    }
-
-    fn hear_configure(&mut self, now: Instant, wish: ToConfigure) {
-        let Some(wish) = self.ledger.hear(wish, &mut self.out) else { return };
-        let hindrance = if self.running.is_some() {
-            Some(Hindrance::Sequence)
-        } else {
-            self.sends.repeats().then_some(Hindrance::Sending)
-        };
-        let (configuring, around) = self.around(now);
-        match wish {
-            ToConfigure::Begin { run, task, profile, reach } => {
-                configuring.begin(now, configuring::Wish { run, task, profile, reach }, hindrance, around);
-            }
-            ToConfigure::Recover { run, journal, way } => {
-                configuring.recover((run, journal, way), hindrance, around.state, around.out);
-            }
-            ToConfigure::Cancel => configuring.cancel(now, around.out),
-            ToConfigure::Discard(journal) => around.out.store(ToStore::Discard(journal)),
-            _ => {}
-        }
-        self.drain_configuring(now);
-    }
-
-    /// What is done to devices, and what is around it.
-    fn around(&mut self, now: Instant) -> (&mut Configuring, Around<'_>) {
-        let unix_ms = self.unix_ms(now);
-        let Self { configuring, ledger, out, line, .. } = self;
-        (configuring, Around { state: line.as_ref(), unix_ms, ledger, out })
-    }
-
-    /// The time of day, in milliseconds since the Unix epoch.
-    fn unix_ms(&self, now: Instant) -> u64 {
-        self.epoch_us.saturating_add(now.as_micros()) / 1000
-    }
-
-    fn drain_configuring(&mut self, now: Instant) {
-        self.configuring.drain(now, &mut self.ledger, &mut self.out);
     }
 
     fn go_live(&mut self) {

@@ -8,9 +8,10 @@ use buslens_codec::UnitId;
 use buslens_codec::line::Mode;
 use buslens_configure::{Device, Journal, Line, Order, Port, Procedure, Reach, Task, Way};
 
+use super::Console;
 use super::ledger::{Ledger, UNKNOWN_LINE, tell};
 use super::outbox::{News, Outbox};
-use crate::configure::{AuditRow, DeviceKey, FromConfigure, FromStore, Hindrance, ToStore};
+use crate::configure::{AuditRow, DeviceKey, FromConfigure, FromStore, Hindrance, ToConfigure, ToStore};
 use crate::line::{LineState, PortState, ToLine};
 
 /// Nobody reads faster how far it is. Its end is told at once.
@@ -64,6 +65,47 @@ pub(super) struct Around<'a> {
     pub(super) unix_ms: u64,
     pub(super) ledger: &'a mut Ledger,
     pub(super) out: &'a mut Outbox,
+}
+
+impl Console {
+    /// Takes a wish of the window.
+    pub(super) fn hear_configure(&mut self, now: Instant, wish: ToConfigure) {
+        let Some(wish) = self.ledger.hear(wish, &mut self.out) else { return };
+        let hindrance = if self.running.is_some() {
+            Some(Hindrance::Sequence)
+        } else {
+            self.sends.repeats().then_some(Hindrance::Sending)
+        };
+        let (configuring, around) = self.around(now);
+        match wish {
+            ToConfigure::Begin { run, task, profile, reach } => {
+                configuring.begin(now, Wish { run, task, profile, reach }, hindrance, around);
+            }
+            ToConfigure::Recover { run, journal, way } => {
+                configuring.recover((run, journal, way), hindrance, around.state, around.out);
+            }
+            ToConfigure::Cancel => configuring.cancel(now, around.out),
+            ToConfigure::Discard(journal) => around.out.store(ToStore::Discard(journal)),
+            _ => {}
+        }
+        self.drain_configuring(now);
+    }
+
+    /// What is done to devices, and what is around it.
+    pub(super) fn around(&mut self, now: Instant) -> (&mut Configuring, Around<'_>) {
+        let unix_ms = self.unix_ms(now);
+        let Self { configuring, ledger, out, line, .. } = self;
+        (configuring, Around { state: line.as_ref(), unix_ms, ledger, out })
+    }
+
+    /// The time of day, in milliseconds since the Unix epoch.
+    pub(super) fn unix_ms(&self, now: Instant) -> u64 {
+        self.epoch_us.saturating_add(now.as_micros()) / 1000
+    }
+
+    pub(super) fn drain_configuring(&mut self, now: Instant) {
+        self.configuring.drain(now, &mut self.ledger, &mut self.out);
+    }
 }
 
 impl Configuring {

@@ -103,7 +103,7 @@ fn offer(app: &'static Workbench, journal: &Journal, leaving: RwSignal<Option<u6
     let actions = move || {
         if leaving.get() == Some(id) {
             let yes = button(app, "small danger", "journal-leave-now", Language::cfg_leave_now).click(move || {
-                Workbench::discard_journal(id);
+                app.discard_journal(id);
                 leaving.set(None);
             });
             let no = button(app, "small quiet", "journal-keep", Language::cancel).click(move || leaving.set(None));

@@ -21,26 +21,6 @@ pub(crate) fn hindrance(language: Language, why: &Hindrance) -> String {
     state::hindrance(language, why)
 }
 
-impl Workbench {
-    /// Why nothing can be read or searched now; with `write` written.
-    pub(crate) fn why_not(&self, write: bool) -> Option<&'static str> {
-        self.blocked(write).map(|why| why.text(self.language.get()))
-    }
-
-    /// The same as a sentence of the page, with what helps; `None` while something is under way, which shows by itself.
-    pub(crate) fn why_not_hint(&'static self, write: bool) -> Option<El> {
-        let why = self.blocked(write).filter(|why| *why != Blocked::Running)?;
-        let line = hint("info", why.text(self.language.get()));
-        Some(match why {
-            Blocked::ReadOnly => line.child(
-                button(self, "small", "allow-writes", Language::cfg_allow_writes)
-                    .click(move || self.console.order(buslens_analyst::line::ToLine::ReadOnly(false))),
-            ),
-            _ => line,
-        })
-    }
-}
-
 impl Configure {
     /// What the connected device was last read to hold, reached as it is now; `None` while nothing was read of it.
     pub(crate) fn held_by(&self, app: &'static Workbench) -> Option<Snapshot> {
@@ -66,6 +46,26 @@ impl Configure {
         self.last_step.set(None);
         self.reviewing.set(None);
         self.writing.set(Some(plan));
+    }
+}
+
+impl Workbench {
+    /// Why nothing can be read or searched now; with `write` written.
+    pub(crate) fn why_not(&self, write: bool) -> Option<&'static str> {
+        self.blocked(write).map(|why| why.text(self.language.get()))
+    }
+
+    /// The same as a sentence of the page, with what helps; `None` while something is under way, which shows by itself.
+    pub(crate) fn why_not_hint(&'static self, write: bool) -> Option<El> {
+        let why = self.blocked(write).filter(|why| *why != Blocked::Running)?;
+        let line = hint("info", why.text(self.language.get()));
+        Some(match why {
+            Blocked::ReadOnly => line.child(
+                button(self, "small", "allow-writes", Language::cfg_allow_writes)
+                    .click(move || self.console.order(buslens_analyst::line::ToLine::ReadOnly(false))),
+            ),
+            _ => line,
+        })
     }
 }
 
