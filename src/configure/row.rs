@@ -1,6 +1,7 @@
 //! A parameter as a row of the table.
 
 use buslens_codec::profile::{Danger, Point, Profile};
+use buslens_codec::value::Encoding;
 use buslens_configure::{Read, Snapshot};
 
 use super::words;
@@ -34,7 +35,7 @@ impl Held {
         let shown = words::shown(profile, point, registers, have, |texts| words::pick(language, texts));
         let value = shown.as_ref().and_then(|shown| shown.text.as_deref());
         Self {
-            text: value.map_or_else(|| language.cfg_no_value().to_owned(), signed),
+            text: value.map_or_else(|| language.cfg_no_value().to_owned(), |text| words::with_minus(point, text)),
             is_value: value.is_some(),
             unit: shown.as_ref().map_or_else(String::new, |shown| shown.unit.clone()),
             registers: words::registers(registers),
@@ -63,7 +64,10 @@ pub(crate) fn range(language: Language, point: &Point, held: &Held) -> String {
     let limits = point.range.map(|limits| (limits.first.to_string(), limits.last.to_string()));
     let limits = limits.map(|(first, last)| language.cfg_unfit_range(&signed(&first), &signed(&last)));
     let unit = Some(held.unit.as_str()).filter(|unit| !unit.is_empty()).map(|unit| language.cfg_unit_in(unit));
-    let decimals = held.text.split_once('.').filter(|_| held.is_value).map_or(0, |(_, digits)| digits.len());
+    // A float and a text have no steps, whatever stands behind a point in them.
+    let has_steps = !matches!(point.encoding, Encoding::Float { .. } | Encoding::Double { .. } | Encoding::Text { .. });
+    let digits = held.text.split_once('.').filter(|_| held.is_value && has_steps);
+    let decimals = digits.map_or(0, |(_, digits)| digits.len());
     let step = (decimals > 0).then(|| language.cfg_step_is(&["0.", &"0".repeat(decimals - 1), "1"].concat()));
     limits.into_iter().chain(unit).chain(step).collect::<Vec<_>>().join(" \u{B7} ")
 }
@@ -117,6 +121,38 @@ mod tests {
         assert_eq!(held.factory, Some(false));
         assert_eq!(factory(Language::En, profile, point, &have).as_deref(), Some("9600 Bd"));
         assert_eq!(options(Language::En, point)[6], ("0x0007".to_owned(), "115200 Bd".to_owned()));
+    }
+
+    #[test]
+    fn a_hyphen_in_a_text_or_a_name_is_no_minus_sign_and_neither_has_steps() {
+        let text = include_str!("../../codec/profiles/lvdt.json");
+        let text = text.replacen(
+            "\"points\": [",
+            r#""points": [
+              { "id": "tag", "name": { "en": "Tag", "zh": "位号" }, "register": 512,
+                "encoding": { "type": "text", "registers": 2 }, "read": [3], "write": [16], "role": "parameter" },
+              { "id": "mode", "name": { "en": "Mode", "zh": "模式" }, "register": 514, "encoding": { "type": "code" },
+                "read": [3], "write": [6], "role": "parameter",
+                "codes": [ { "code": 0, "name": { "en": "stand-by", "zh": "待机" } } ] },
+              { "id": "trim", "name": { "en": "Trim", "zh": "微调" }, "register": 515,
+                "encoding": { "type": "i16", "decimals": 2 }, "read": [3], "write": [6], "role": "parameter" },"#,
+            1,
+        );
+        let profile = Profile::from_json(&text).expect("three points more");
+        let data = [
+            ("tag", Read::Registers(vec![0x412D, 0x2E37])),
+            ("mode", Read::Registers(vec![0])),
+            ("trim", Read::Registers(vec![0xFFF4])),
+        ];
+        let have = have(&profile, &data);
+        let said = |point: &str| {
+            let point = profile.point(point).unwrap();
+            let held = Held::of(Language::En, &profile, point, Some(&have));
+            (held.text.clone(), range(Language::En, point, &held))
+        };
+        assert_eq!(said("tag"), ("A-.7".to_owned(), String::new()));
+        assert_eq!(said("mode"), ("stand-by".to_owned(), String::new()));
+        assert_eq!(said("trim"), ("\u{2212}0.12".to_owned(), "in steps of 0.01".to_owned()));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Plans, dangers, refusals and progress in words.
 
 use buslens_codec::profile::{Point, Profile, Texts};
+use buslens_codec::value::Encoding;
 use buslens_configure::{
     After, Datum, FileFault, FileReason, Hazard, Phase, Plan, Reach, Read, Shown, Snapshot, StepOutcome, Unfit,
 };
@@ -47,6 +48,14 @@ pub(crate) fn shown(
     told.values(profile, language).into_iter().find(|shown| shown.point == point.id)
 }
 
+/// A point's value with a real minus sign. In a name and in a text a hyphen is a hyphen.
+pub(crate) fn with_minus(point: &Point, text: &str) -> String {
+    match point.encoding {
+        Encoding::Code | Encoding::Bits { .. } | Encoding::Text { .. } => text.to_owned(),
+        _ => signed(text),
+    }
+}
+
 /// The same as people read it, with its unit; the registers where they hold no value.
 pub(crate) fn value(
     language: Language,
@@ -57,8 +66,8 @@ pub(crate) fn value(
 ) -> String {
     let shown = shown(profile, point, registers, have, |texts| pick(language, texts));
     match shown.and_then(|shown| Some((shown.text?, shown.unit))) {
-        Some((text, unit)) if unit.is_empty() => signed(&text),
-        Some((text, unit)) => [&signed(&text), " ", &unit].concat(),
+        Some((text, unit)) if unit.is_empty() => with_minus(point, &text),
+        Some((text, unit)) => [&with_minus(point, &text), " ", &unit].concat(),
         None => self::registers(registers),
     }
 }

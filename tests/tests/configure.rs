@@ -321,7 +321,7 @@ async fn what_loses_settings_needs_its_consequence_confirmed() {
     page.command("save", 1).await;
     assert!(!page.can_write().await);
     let hazards = page.confirm_all().await;
-    assert!(hazards.len() == 1 && hazards[0].contains("overwrites what a restore brings back"), "{hazards:?}");
+    assert!(hazards.len() == 1 && hazards[0].contains("cannot be brought back"), "{hazards:?}");
     bench.browser.click("write").await;
     page.wait_for_ending("done").await;
     assert!(has(&bench.wire().sent(), &[0x01, 0x06, 0x00, 0x0F, 0x00, 0x01]));

@@ -1,11 +1,12 @@
 //! The Profiles page: profiles of the user's own, from the first letter to a reading.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::profile::{BUILT_IN, Profile};
-use buslens_tests::pages::{BuilderPage, DecoderPage, LivePage, ProfilesPage, State};
-use buslens_tests::testbed::{Bench, Registers, Relay, site};
+use buslens_tests::pages::{BuilderPage, ConfigurePage, DecoderPage, LivePage, ProfilesPage, State};
+use buslens_tests::testbed::{Bench, Look, Registers, Relay, site};
+use tokio_modbus::prelude::Request;
 
 fn lvdt() -> Line<Lvdt> {
     Line::new([Lvdt::new(1, Motion::Rest { micrometres: 1000, decidegrees: 255 })], 1)
@@ -339,4 +340,208 @@ async fn a_device_with_single_bits_is_described_too() {
     let builder = BuilderPage::open(&bench.browser).await;
     builder.choose_point("my-sensor", "read:point").await;
     builder.wait_for_rtu("01 01 00 00 00 01 FD CA").await;
+}
+
+/// A device that nobody has built in, with a parameter of every kind. Each is written as its entry says.
+const DRIVE: &str = include_str!("../devices/pump-drive.json");
+
+/// What the drive holds: a period of 60 s, a stroke of -1.234 mm, a gain of 1.25, and so on.
+fn drive() -> Registers {
+    let coils = BTreeMap::from([(6, true), (7, true), (8, false), (9, true)]);
+    Registers { unit: 17, coils, ..Registers::default() }
+        .input(0, &[345])
+        .hold(0x0010, &[60])
+        // FFFF FB2E with the bytes of each register exchanged.
+        .hold(0x0012, &[0xFFFF, 0x2EFB])
+        // 1.25 is 3FA0 0000.
+        .hold(0x0014, &[0x0000, 0x3FA0])
+        .hold(0x0016, &[0])
+        .hold(0x0017, &[0xA29F])
+        .hold(0x0018, &[0x5044, 0x332D, 0x3037, 0x0000])
+        .hold(0x001C, &[25])
+        .hold(0x001D, &[0xFFF4])
+}
+
+/// The page over the drive, imported, connected, and read to its end.
+async fn configured(bench: &Bench<Relay>) -> ConfigurePage<'_> {
+    let page = ProfilesPage::open(&bench.browser).await;
+    page.choose_file("pd3.json", DRIVE).await;
+    page.wait_for_own(&["pump-drive"]).await;
+    bench.browser.open(&format!("{}/#/live", site())).await;
+    let live = LivePage::open(&bench.browser).await;
+    live.choose_device("pump-drive").await;
+    live.set_unit(17).await;
+    live.connect().await;
+    live.wait_for(State::Reading).await;
+    let page = ConfigurePage::open(&bench.browser).await;
+    page.wait_until_read().await;
+    page
+}
+
+/// Every parameter of the drive, from the top.
+const HELD: [(&str, &str); 11] = [
+    ("period", "60"),
+    ("stroke", "−1.234"),
+    ("gain", "1.25"),
+    ("mode", "stand-by"),
+    ("alarm", "high"),
+    ("filter", "weak"),
+    ("tag", "PD3-07"),
+    ("ramp", "2.5"),
+    ("limit", "−12"),
+    ("heater", "on"),
+    ("horn", "off"),
+];
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn every_kind_of_parameter_of_the_users_own_device_is_written_as_its_profile_says() {
+    let bench = Bench::with_wire(Relay::serve(drive())).await;
+    let page = configured(&bench).await;
+    assert_eq!(page.points().await, HELD.map(|(point, _)| point));
+    for (point, value) in HELD {
+        assert_eq!(page.value(point).await, value, "{point}");
+    }
+    // The bar below the table hides no editor that the Tab key comes to.
+    bench.browser.look(Look { height: 500, ..Look::default() }).await;
+    assert_eq!(page.hidden_by_focus().await, [""; 0]);
+    bench.browser.look(Look::default()).await;
+    // What the profile does not allow is refused with what it allows.
+    for (point, typed, why) in [
+        ("period", "0", "allowed: 1 to 3600"),
+        ("period", "65596", "allowed: 1 to 3600"),
+        ("stroke", "50.001", "allowed: −50 to 50"),
+        ("stroke", "1.2345", "at most 3 digits behind the point"),
+        ("gain", "10.5", "allowed: 0 to 10"),
+        ("tag", "PD3-07-09", "at most 8 ASCII characters"),
+        ("ramp", "6553.6", "more than its registers can hold"),
+        ("limit", "12.5", "a whole number is needed"),
+    ] {
+        page.type_value(point, typed).await;
+        assert_eq!(page.refusal(point).await, why, "{point} {typed}");
+        page.revert(point).await;
+    }
+    page.wait_for_staged("Nothing staged").await;
+    // A code that the table does not know cannot be chosen, and is not taken from a file either.
+    assert_eq!(page.choices("mode").await, ["0x0000", "0x0004"]);
+    page.bring_file("codes.json", UNKNOWN_CODES).await;
+    bench
+        .browser
+        .wait_for("document.querySelector('[data-test=file-told]')?.innerText.includes('cannot be written')")
+        .await;
+    let told = bench.browser.text("file-told").await;
+    assert_eq!(told, "Differs, but cannot be written: Mode, Alarm");
+    page.wait_for_staged("Nothing staged").await;
+    assert_eq!(bench.wire().with(|relay, _| relay.writes()), []);
+    // All but the limit.
+    page.type_value("period", "3600").await;
+    page.type_value("stroke", "49.999 mm").await;
+    page.type_value("gain", "0.1").await;
+    page.choose("mode", 4).await;
+    page.choose("alarm", 2).await;
+    page.choose("filter", 5).await;
+    page.type_value("tag", "P-1").await;
+    page.type_value("ramp", "6553.5").await;
+    page.choose("heater", 0).await;
+    page.choose("horn", 0xFF00).await;
+    page.wait_for_staged("10 changes staged").await;
+    page.write_all().await;
+    page.wait_for_ending("done").await;
+    let points = ["period", "stroke", "gain", "mode", "alarm", "filter", "tag", "ramp", "heater", "horn"];
+    assert_eq!(page.outcomes().await, points.map(|point| format!("{point}: confirmed")));
+    let mut wanted = drive()
+        .hold(0x0010, &[3600])
+        // C34F is 49999.
+        .hold(0x0012, &[0x0000, 0x4FC3])
+        // 0.1 is 3DCC CCCD.
+        .hold(0x0014, &[0xCCCD, 0x3DCC])
+        .hold(0x0016, &[4])
+        .hold(0x0017, &[0xA5AF])
+        .hold(0x0018, &[0x502D, 0x3100, 0x0000, 0x0000])
+        .hold(0x001C, &[0xFFFF]);
+    wanted.coils.extend([(7, false), (8, true)]);
+    assert_eq!(bench.wire().with(|relay, _| relay.registers()), wanted);
+    assert_eq!(
+        bench.wire().with(|relay, _| relay.writes()),
+        [
+            Request::WriteSingleRegister(0x0010, 3600),
+            Request::WriteMultipleRegisters(0x0012, vec![0x0000, 0x4FC3].into()),
+            Request::WriteMultipleRegisters(0x0014, vec![0xCCCD, 0x3DCC].into()),
+            Request::WriteSingleRegister(0x0016, 4),
+            // First the alarm beside the old filter, then the filter beside the new alarm.
+            Request::WriteSingleRegister(0x0017, 0xA2AF),
+            Request::WriteSingleRegister(0x0017, 0xA5AF),
+            Request::WriteMultipleRegisters(0x0018, vec![0x502D, 0x3100, 0x0000, 0x0000].into()),
+            Request::WriteMultipleRegisters(0x001C, vec![0xFFFF].into()),
+            Request::WriteSingleCoil(7, false),
+            Request::WriteMultipleCoils(8, vec![true].into()),
+        ]
+    );
+    for (point, value) in [("stroke", "49.999"), ("gain", "0.1"), ("filter", "strong"), ("tag", "P-1"), ("horn", "on")]
+    {
+        page.wait_for_value(point, value).await;
+    }
+    page.wait_for_staged("Nothing staged").await;
+    page.wait_for_no_journal().await;
+    assert_eq!(bench.browser.complaints().await, [""; 0]);
+}
+
+/// Parameters of the drive with codes that its tables do not know.
+const UNKNOWN_CODES: &str = r#"{
+  "format": 1,
+  "kind": "buslens-snapshot",
+  "profile": "pump-drive",
+  "name": "",
+  "taken": "2026-05-04T03:02:01.000Z",
+  "reach": { "unit": 17, "baud": 9600, "data_bits": "eight", "parity": "none", "stop_bits": "one", "mode": "rtu" },
+  "data": [
+    { "point": "mode", "registers": ["0x0003"] },
+    { "point": "alarm", "registers": ["0x0030"] },
+    { "point": "filter", "registers": ["0x0200"] }
+  ]
+}
+"#;
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn a_write_that_the_users_own_device_refuses_is_told_by_its_meaning_and_the_rest_is_put_back() {
+    let held = Registers { locked: BTreeSet::from([0x001D]), ..drive() };
+    let bench = Bench::with_wire(Relay::serve(held.clone())).await;
+    let page = configured(&bench).await;
+    page.type_value("gain", "9.5").await;
+    page.choose("filter", 5).await;
+    page.type_value("limit", "40").await;
+    page.choose("horn", 0xFF00).await;
+    page.write_all().await;
+    let text = page.wait_for_ending("rolled-back").await;
+    assert!(text.contains("Limit: refused: exception 03, value out of range"), "{text}");
+    // What came after the refusal was never sent.
+    let outcomes = ["gain: undone", "filter: undone", "limit: refused", "horn: waiting"];
+    assert_eq!(page.outcomes().await, outcomes);
+    assert_eq!(
+        bench.wire().with(|relay, _| relay.writes()),
+        [
+            Request::WriteMultipleRegisters(0x0014, vec![0x0000, 0x4118].into()),
+            Request::WriteSingleRegister(0x0017, 0xA59F),
+            Request::WriteSingleRegister(0x001D, 40),
+            Request::WriteSingleRegister(0x0017, 0xA29F),
+            Request::WriteMultipleRegisters(0x0014, vec![0x0000, 0x3FA0].into()),
+        ]
+    );
+    assert_eq!(bench.wire().with(|relay, _| relay.registers()), held);
+    page.wait_until_read().await;
+    for (point, value) in HELD {
+        page.wait_for_value(point, value).await;
+    }
+    // What is wanted is still typed, and the rest can be written without it.
+    page.wait_for_staged("4 changes staged").await;
+    assert_eq!(page.typed("limit").await, "40");
+    page.revert("limit").await;
+    page.write_all().await;
+    page.wait_for_ending("done").await;
+    let mut wanted = held.hold(0x0014, &[0x0000, 0x4118]).hold(0x0017, &[0xA59F]);
+    wanted.coils.insert(8, true);
+    assert_eq!(bench.wire().with(|relay, _| relay.registers()), wanted);
+    page.wait_for_no_journal().await;
+    assert_eq!(bench.browser.complaints().await, [""; 0]);
 }

@@ -1,6 +1,6 @@
 //! Sequences on the Console page, through the browser's own serial port stack.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use buslens_bus::sim::{Line, Lvdt, Motion};
 use buslens_codec::line::Parity;
@@ -70,13 +70,14 @@ async fn a_server_that_this_project_did_not_write_is_put_to_the_test() {
         unit: 17,
         input: BTreeMap::from([(2, 0), (3, 285), (4, 0x8000), (5, 328)]),
         holding: BTreeMap::from([(7, 1234)]),
+        locked: BTreeSet::from([7]),
         ..Registers::default()
     };
     let bench = Bench::with_wire(Relay::serve(registers)).await;
     let page = console(&bench, 17, Parity::None).await;
     page.write_sequence(
         "read holding 7 count 1\nexpect register 7 = 1234\nread holding 8 count 1\nexpect exception 02\n\
-         send UNIT 04 00 03 00 01 crc\nexpect 11 04 02 01 1D CRC\nwrite register 7 = 1\nexpect exception 01\n\
+         send UNIT 04 00 03 00 01 crc\nexpect 11 04 02 01 1D CRC\nwrite register 7 = 1\nexpect exception 03\n\
          read holding 7 count 1\nexpect register 7 = 1\n",
     )
     .await;

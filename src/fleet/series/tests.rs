@@ -84,7 +84,8 @@ fn the_one_that_is_there_is_asked_at_the_broadcast_address_first() {
     let Action::Find(scope) = series("10").begin(profile(), 2, "", None) else { panic!("nothing is searched") };
     assert_eq!(scope.reaches, [at(0, 9600), at(1, 9600)]);
     // One that does not tell its unit id to everybody.
-    let mute = |device: &&'static device::Device| device.profile().discovery.is_empty() && can_be_set_up(device.profile());
+    let mute =
+        |device: &&'static device::Device| device.profile().discovery.is_empty() && can_be_set_up(device.profile());
     let profile = device::all().into_iter().find(mute).unwrap().profile();
     let factory = Reach::of_factory(profile);
     let scope = super::scope(profile, &[], true);

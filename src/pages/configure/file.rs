@@ -58,14 +58,16 @@ impl Told {
             }
             Self::ReadFirst => language.cfg_file_read_first().to_owned(),
             Self::Staged { name, count, refused } => {
-                let taken =
-                    if *count == 0 { language.cfg_file_same(name) } else { language.cfg_file_taken(*count, name) };
-                if refused.is_empty() {
-                    return taken;
-                }
                 let names: Vec<String> =
                     refused.iter().map(|point| words::name(language, device.profile(), point)).collect();
-                [&taken, " ", &language.cfg_file_cannot(&words::listed(language, &names))].concat()
+                let cannot = (!names.is_empty()).then(|| language.cfg_file_cannot(&words::listed(language, &names)));
+                match (count, cannot) {
+                    (0, None) => language.cfg_file_same(name),
+                    // What differs is not the same as the device.
+                    (0, Some(cannot)) => cannot,
+                    (count, None) => language.cfg_file_taken(*count, name),
+                    (count, Some(cannot)) => [&language.cfg_file_taken(*count, name), " ", &cannot].concat(),
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The parameters: what the device holds, how it left the factory, and what is wanted instead.
 
 use buslens_codec::profile::{Danger, Point, Role};
-use buslens_codec::value::Value;
+use buslens_codec::value::{Encoding, Value};
 use buslens_configure::Snapshot;
 use wasm_bindgen::JsValue;
 
@@ -369,7 +369,7 @@ fn typed(app: &'static Workbench, device: &'static Device, point: &'static Point
     });
     el("input")
         .attr("type", "text")
-        .attr("inputmode", "decimal")
+        .attr("inputmode", if matches!(point.encoding, Encoding::Text { .. }) { "text" } else { "decimal" })
         .attr("autocomplete", "off")
         .attr("spellcheck", "false")
         .live_value(move || {

@@ -63,6 +63,25 @@ impl<'a> ConfigurePage<'a> {
         self.browser.choose(&format!("edit-{point}"), &format!("0x{code:04X}")).await;
     }
 
+    /// The codes that can be chosen for a parameter.
+    pub async fn choices(&self, point: &str) -> Vec<String> {
+        self.all(&format!("[data-test=edit-{point}] option"), "value").await
+    }
+
+    /// Chooses a file of parameters with the browser's dialog, as far as a page can know.
+    pub async fn bring_file(&self, name: &str, text: &str) {
+        let text = serde_json::Value::from(text);
+        let script = format!(
+            "const dataTransfer = new DataTransfer();
+             dataTransfer.items.add(new File([{text}], {name:?}));
+             const chooser = document.querySelector('[data-test=configure-file]');
+             chooser.files = dataTransfer.files;
+             chooser.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+        );
+        self.browser.wait_for("document.querySelector('[data-test=configure-file]')").await;
+        self.browser.run(&script).await;
+    }
+
     /// Types the wanted value of a parameter.
     pub async fn type_value(&self, point: &str, text: &str) {
         // As one stroke: a field that is emptied and left takes its value back.
@@ -74,6 +93,41 @@ impl<'a> ConfigurePage<'a> {
              field.dispatchEvent(new Event('change', {{ bubbles: true }}));"
         );
         self.browser.wait_for(&format!("document.querySelector('[data-test=edit-{point}]')")).await;
+        self.browser.run(&script).await;
+    }
+
+    /// The editors that are behind something else after the focus has come to them from the edge of the window, by their
+    /// points.
+    pub async fn hidden_by_focus(&self) -> Vec<String> {
+        let script = "return [...document.querySelectorAll('[data-test^=edit-]')].filter((editor) => {
+               document.activeElement?.blur();
+               scrollBy(0, editor.getBoundingClientRect().bottom - innerHeight);
+               editor.focus();
+               const place = editor.getBoundingClientRect();
+               const seen = document.elementFromPoint(place.x + place.width / 2, place.bottom - 4);
+               return seen !== editor;
+             }).map((editor) => editor.dataset.test.slice('edit-'.length))";
+        let found = self.browser.run(script).await;
+        let found = found.as_array().cloned().unwrap_or_default();
+        found.iter().filter_map(|text| Some(text.as_str()?.to_owned())).collect()
+    }
+
+    /// Takes back what is typed for a parameter, with the button that the Tab key has come to.
+    pub async fn revert(&self, point: &str) {
+        let button = format!("document.querySelector('[data-test=revert-{point}]')");
+        self.browser.wait_for(&button).await;
+        self.browser.run(&format!("{button}.focus()")).await;
+        self.browser.click(&format!("revert-{point}")).await;
+    }
+
+    /// Brings a value into a parameter's list that does not offer it, and chooses it: as whoever tampers with the page would.
+    pub async fn forge(&self, point: &str, value: &str) {
+        let script = format!(
+            "const list = document.querySelector('[data-test=edit-{point}]');
+             list.add(new Option('forged', {value:?}));
+             list.value = {value:?};
+             list.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+        );
         self.browser.run(&script).await;
     }
 
@@ -141,6 +195,28 @@ impl<'a> ConfigurePage<'a> {
         self.review().await;
         self.confirm_all().await;
         self.write().await;
+    }
+
+    /// Types a parameter's value, writes it with all dangers confirmed, and waits until the page shows it as `shown`.
+    pub async fn write_value(&self, point: &str, text: &str, shown: &str) {
+        self.type_value(point, text).await;
+        self.write_all().await;
+        self.wait_for_ending("done").await;
+        self.browser.click("report-close").await;
+        self.wait_until_read().await;
+        self.wait_for_value(point, shown).await;
+    }
+
+    /// Gives a command with all dangers confirmed, waits until it is done, and returns its request as the page writes it.
+    pub async fn carry_out(&self, point: &str, code: u16) -> String {
+        self.command(point, code).await;
+        let requests = self.requests().await;
+        self.confirm_all().await;
+        self.write().await;
+        self.wait_for_ending("done").await;
+        self.browser.click("report-close").await;
+        self.wait_until_read().await;
+        requests.join("; ")
     }
 
     /// Waits until a report is there that has ended so: `done`, `found`, `occupied`, `rolled-back`, `lost`...

@@ -1,12 +1,12 @@
 //! A Modbus server that this project did not write, at the far end of the wire: tokio-modbus' RTU server on a pty of its
 //! own, with the line's pace in between.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::future::{Ready, ready};
 use std::io::{Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ use super::pty::Pty;
 use super::wire::{FarEnd, Wire};
 
 /// What the server serves at one unit id.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Registers {
     /// Its unit id.
     pub unit: u8,
@@ -33,6 +33,8 @@ pub struct Registers {
     pub input: BTreeMap<u16, u16>,
     /// Holding registers by address.
     pub holding: BTreeMap<u16, u16>,
+    /// Holding registers that take no value: a write is refused with exception 03.
+    pub locked: BTreeSet<u16>,
 }
 
 impl Registers {
@@ -51,17 +53,41 @@ impl Registers {
     }
 }
 
-impl Service for Registers {
+/// What a server holds, and what it was asked to write.
+#[derive(Debug)]
+struct Held {
+    registers: Registers,
+    /// Every write that it understood, carried out or refused, in the order of their coming.
+    writes: Vec<Request<'static>>,
+}
+
+/// The server's side of what it holds; the other side is the test's.
+struct Holder(Arc<Mutex<Held>>);
+
+impl Service for Holder {
     type Request = SlaveRequest<'static>;
     type Response = Option<Response>;
     type Exception = ExceptionCode;
     type Future = Ready<Result<Option<Response>, ExceptionCode>>;
 
     fn call(&self, request: Self::Request) -> Self::Future {
-        if request.slave != self.unit {
+        let mut held = lock(&self.0);
+        if request.slave != held.registers.unit {
             return ready(Ok(None));
         }
-        ready(match request.request {
+        let request = request.request;
+        ready(if is_write(&request) {
+            held.writes.push(request.clone());
+            held.registers.write(request)
+        } else {
+            held.registers.read(&request)
+        })
+    }
+}
+
+impl Registers {
+    fn read(&self, request: &Request<'_>) -> Result<Option<Response>, ExceptionCode> {
+        match *request {
             Request::ReadCoils(address, quantity) => {
                 read(&self.coils, address, quantity).map(|values| Some(Response::ReadCoils(values)))
             }
@@ -75,8 +101,45 @@ impl Service for Registers {
                 read(&self.holding, address, quantity).map(|values| Some(Response::ReadHoldingRegisters(values)))
             }
             _ => Err(ExceptionCode::IllegalFunction),
-        })
+        }
     }
+
+    fn write(&mut self, request: Request<'static>) -> Result<Option<Response>, ExceptionCode> {
+        let quantity = |count: usize| u16::try_from(count).map_err(|_| ExceptionCode::IllegalDataValue);
+        match request {
+            Request::WriteSingleCoil(address, on) => {
+                write(&mut self.coils, &BTreeSet::new(), address, &[on])?;
+                Ok(Some(Response::WriteSingleCoil(address, on)))
+            }
+            Request::WriteMultipleCoils(address, values) => {
+                write(&mut self.coils, &BTreeSet::new(), address, &values)?;
+                Ok(Some(Response::WriteMultipleCoils(address, quantity(values.len())?)))
+            }
+            Request::WriteSingleRegister(address, value) => {
+                write(&mut self.holding, &self.locked, address, &[value])?;
+                Ok(Some(Response::WriteSingleRegister(address, value)))
+            }
+            Request::WriteMultipleRegisters(address, values) => {
+                write(&mut self.holding, &self.locked, address, &values)?;
+                Ok(Some(Response::WriteMultipleRegisters(address, quantity(values.len())?)))
+            }
+            _ => Err(ExceptionCode::IllegalFunction),
+        }
+    }
+}
+
+fn is_write(request: &Request<'_>) -> bool {
+    matches!(
+        request,
+        Request::WriteSingleCoil(..)
+            | Request::WriteMultipleCoils(..)
+            | Request::WriteSingleRegister(..)
+            | Request::WriteMultipleRegisters(..)
+    )
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Neighbouring entries of a table, all of which must be there.
@@ -85,10 +148,28 @@ fn read<T: Copy>(table: &BTreeMap<u16, T>, address: u16, quantity: u16) -> Resul
     values.collect::<Option<Vec<T>>>().ok_or(ExceptionCode::IllegalDataAddress)
 }
 
+/// Writes neighbouring entries of a table, all of which must be there, or none.
+fn write<T: Copy>(
+    table: &mut BTreeMap<u16, T>,
+    locked: &BTreeSet<u16>,
+    address: u16,
+    values: &[T],
+) -> Result<(), ExceptionCode> {
+    let places = (0..values.len()).map(|offset| address.checked_add(u16::try_from(offset).ok()?));
+    let places = places.collect::<Option<Vec<u16>>>().filter(|all| all.iter().all(|place| table.contains_key(place)));
+    let places = places.ok_or(ExceptionCode::IllegalDataAddress)?;
+    if places.iter().any(|place| locked.contains(place)) {
+        return Err(ExceptionCode::IllegalDataValue);
+    }
+    table.extend(places.into_iter().zip(values.iter().copied()));
+    Ok(())
+}
+
 /// Carries bytes to and from the server, each character in its time. The server's line is 9600 8N1.
 pub struct Relay {
     server: Pty,
     from_server: Arc<Mutex<Vec<u8>>>,
+    held: Arc<Mutex<Held>>,
     host: LineSettings,
     to_server: VecDeque<(Instant, u8)>,
     to_host: VecDeque<(Instant, u8)>,
@@ -103,12 +184,15 @@ impl Relay {
     pub fn serve(registers: Registers) -> Wire<Self> {
         let server = Pty::open();
         let serial = SerialStream::open(&tokio_serial::new(server.device().to_string_lossy(), LINE.baud));
-        tokio::spawn(Server::new(serial.expect("a pty opens as a serial port")).serve_forever(registers));
+        let held = Arc::new(Mutex::new(Held { registers, writes: Vec::new() }));
+        let service = Holder(Arc::clone(&held));
+        tokio::spawn(Server::new(serial.expect("a pty opens as a serial port")).serve_forever(service));
         let from_server = Arc::new(Mutex::new(Vec::new()));
         let reader = server.master.try_clone().expect("a file");
         let wire = Wire::new(Self {
             server,
             from_server: Arc::clone(&from_server),
+            held,
             host: LINE,
             to_server: VecDeque::new(),
             to_host: VecDeque::new(),
@@ -117,6 +201,16 @@ impl Relay {
         let waker = wire.waker();
         thread::spawn(move || listen(&reader, &from_server, &waker));
         wire
+    }
+
+    /// What the server holds now.
+    pub fn registers(&self) -> Registers {
+        lock(&self.held).registers.clone()
+    }
+
+    /// Every write that the server has understood, carried out or refused, in the order of their coming.
+    pub fn writes(&self) -> Vec<Request<'static>> {
+        lock(&self.held).writes.clone()
     }
 }
 
@@ -129,7 +223,7 @@ fn listen(mut server: &std::fs::File, said: &Mutex<Vec<u8>>, waker: &UnixStream)
             return;
         }
         let Ok(count @ 1..) = server.read(&mut buffer) else { return };
-        said.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&buffer[..count]);
+        lock(said).extend_from_slice(&buffer[..count]);
         if let Err(error) = (&*waker).write(&[0])
             && error.kind() != std::io::ErrorKind::WouldBlock
         {
@@ -150,7 +244,7 @@ impl FarEnd for Relay {
     }
 
     fn handle_timeout(&mut self, now: Instant) {
-        let said = std::mem::take(&mut *self.from_server.lock().unwrap_or_else(PoisonError::into_inner));
+        let said = std::mem::take(&mut *lock(&self.from_server));
         pace(&mut self.to_host, now, &said);
         self.due.extend(take_due(&mut self.to_host, now));
         // The server lives as long as the test's runtime.
