@@ -149,6 +149,8 @@ fn with_scales<'a>(profile: &'a Profile, point: &'a Point) -> Vec<&'a Point> {
 }
 
 /// Looks whether anybody else is where the device will be. Whatever answers there, were it by an exception, is one too many.
+/// At the settings of the line as it is, and where the device will stay, anything may stand and is waited for in full. On
+/// the way it is for a moment only, at settings that hardly anybody else has: there, one of its own kind is waited for.
 async fn check_free(desk: &Desk, profile: &Profile, plan: &Plan) -> Result<(), Ending> {
     let Some(sign) = signs(profile).first().copied() else { return Ok(()) };
     for (at, target) in plan.targets.iter().enumerate() {
@@ -159,7 +161,9 @@ async fn check_free(desk: &Desk, profile: &Profile, plan: &Plan) -> Result<(), E
         let Some(request) = read_request(sign) else { continue };
         // Noise is not heard twice.
         for last in [false, true] {
-            let answer = desk.ask(*target, &request, Some(desk.full_wait(*target))).await.map_err(stopped)?;
+            let is_on_the_way = at > 0 && at + 1 < plan.targets.len();
+            let wait = if is_on_the_way { desk.short_wait(*target) } else { desk.full_wait(*target) };
+            let answer = desk.ask(*target, &request, Some(wait)).await.map_err(stopped)?;
             match answer {
                 Answer::Silence => break,
                 Answer::Unclear if !last => {}
