@@ -156,9 +156,11 @@ async fn polling_and_sending_share_the_line_without_tearing_each_other() {
         let (expected, origin) = match asked.bytes.as_slice() {
             bytes if bytes == POLL => ("01 04 08 00 00 01 1D 00 7B 01 C8", "poll"),
             bytes if bytes == request => ("01 03 02 00 03", "console"),
+            // What is read beside the poll now and then: compensation and sample rate.
+            [0x01, 0x03, 0x00, 0x34 | 0x3F, 0x00, 0x01, ..] => ("01 03 02 00", "poll"),
             other => panic!("torn: {}", hex(other)),
         };
-        polls += u32::from(origin == "poll");
+        polls += u32::from(asked.bytes == POLL);
         assert_eq!((asked.way.as_str(), asked.origin.as_str()), ("TX", origin));
         let heard = rtu::decode(&answer.bytes).unwrap_or_else(|error| panic!("{}: {error}", hex(&answer.bytes)));
         assert!(hex(&answer.bytes).starts_with(&expected[..8]), "{asked:?} {answer:?}");

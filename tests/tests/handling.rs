@@ -239,8 +239,8 @@ async fn a_refusal_is_told_by_its_meaning_and_with_both_frames() {
     let page = Handling::open(&bench.browser).await;
     page.give("zero", 0xFF00).await;
     let told = page.outcome("refused").await;
-    assert!(told.contains("01") && told.contains("function"), "{told}");
-    assert_eq!(page.frames().await, [hex(&frame(&[5, 0, 0x50, 0xFF, 0])), hex(&frame(&[0x85, 1]))]);
+    assert!(told.contains("02") && told.contains("address"), "{told}");
+    assert_eq!(page.frames().await, [hex(&frame(&[5, 0, 0x50, 0xFF, 0])), hex(&frame(&[0x85, 2]))]);
     assert_eq!(page.marks().await, [""; 0]);
     page.dismiss().await;
 }
