@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use buslens_bus::record::End;
 use buslens_codec::json;
 use buslens_codec::line::Mode;
 
@@ -41,7 +40,7 @@ fn write_cells(row: &AuditRow, out: &mut String) {
         words(&entry.new),
         bytes(&entry.sent),
         bytes(&entry.received),
-        end_name(entry.end).to_owned(),
+        entry.end.name().to_owned(),
     ];
     out.push_str(&cells.join(","));
     out.push_str("\r\n");
@@ -67,7 +66,7 @@ fn write_object(row: &AuditRow, out: &mut String) {
     }
     text("sent", &bytes(&entry.sent));
     text("received", &bytes(&entry.received));
-    text("end", end_name(entry.end));
+    text("end", entry.end.name());
     // Writing to a string cannot fail.
     let _ = writeln!(out, ",\"unit\":{},\"simulated\":{}}}", entry.reach.unit.0, row.simulated);
 }
@@ -96,24 +95,9 @@ fn bytes(bytes: &[u8]) -> String {
     text
 }
 
-/// A name that does not change.
-fn end_name(end: End) -> &'static str {
-    match end {
-        End::Answered => "answered",
-        End::Broadcast => "broadcast",
-        End::Heard => "heard",
-        End::Silence => "silence",
-        End::Damaged => "damaged",
-        End::Doubtful => "doubtful",
-        End::ReadOnly => "read-only",
-        End::NoPort => "no-port",
-        End::Withdrawn => "withdrawn",
-        End::Busy => "busy",
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use buslens_bus::record::End;
     use buslens_bus::record::Origin;
     use buslens_codec::UnitId;
     use buslens_codec::line::{LineSettings, Parity};

@@ -68,3 +68,21 @@ pub enum End {
     /// Not sent: a device on the line is being configured.
     Busy,
 }
+
+impl End {
+    /// A name that does not change, for files and tests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Answered => "answered",
+            Self::Broadcast => "broadcast",
+            Self::Heard => "heard",
+            Self::Silence => "silence",
+            Self::Damaged => "damaged",
+            Self::Doubtful => "doubtful",
+            Self::ReadOnly => "read-only",
+            Self::NoPort => "no-port",
+            Self::Withdrawn => "withdrawn",
+            Self::Busy => "busy",
+        }
+    }
+}

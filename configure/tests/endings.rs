@@ -11,7 +11,7 @@ use buslens_codec::line::{LineSettings, Mode, Parity};
 use buslens_configure::{
     Edit, Ending, Hazard, Phase, Procedure, Reach, Read, Refusal, Scope, StepOutcome, StepState, Task, Unfit, Way,
 };
-use common::{Bench, Simulated, Trouble, file, sensor};
+use common::{Bench, Trouble, file, sensor};
 
 const FIVE: &[(&str, &str)] =
     &[("sample_rate", "50"), ("address", "9"), ("parity", "none"), ("baud", "115200"), ("output_mode", "ASCII")];
@@ -73,10 +73,8 @@ impl Sim for Faulty {
         }
         Some(reply)
     }
-}
 
-impl Simulated for Faulty {
-    fn cut_power(&mut self, now: Instant) {
+    fn power_cycle(&mut self, now: Instant) {
         self.lvdt.power_cycle(now);
     }
 }
@@ -87,7 +85,7 @@ fn faulty(change: impl FnOnce(&mut Faulty)) -> Bench<Faulty> {
     Bench::new(file("lvdt"), [device])
 }
 
-fn lvdt(preset: &[(u16, u16)]) -> Box<dyn Simulated> {
+fn lvdt(preset: &[(u16, u16)]) -> Box<dyn Sim> {
     let mut lvdt = Lvdt::new(1, Motion::Rest { micrometres: 1, decidegrees: 1 });
     assert!(preset.iter().all(|(register, value)| lvdt.preset(*register, *value)));
     Box::new(lvdt)
@@ -366,7 +364,7 @@ fn a_search_skips_settings_that_the_port_refuses() {
 #[test]
 fn a_cancelled_search_leaves_the_line_quiet_and_the_port_as_it_was() {
     let mut bench = Bench::of("lvdt");
-    bench.sensor().cut_power(Instant::from_micros(u64::MAX / 2));
+    bench.sensor().power_cycle(Instant::from_micros(u64::MAX / 2));
     let scope = Scope { reaches: Vec::new(), everywhere: true, units: Vec::new() };
     let mut procedure = bench.begin(Task::Find { scope });
     let limit = bench.now + Duration::from_secs(5);

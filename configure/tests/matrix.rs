@@ -8,10 +8,10 @@ mod common;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use buslens_bus::sim::{Lvdt, Motion};
+use buslens_bus::sim::{Device, Lvdt, Motion};
 use buslens_codec::profile::{Code, Effect, Point, Profile, Role};
 use buslens_configure::{Edit, Ending, Report, StepOutcome, Task, Way};
-use common::{Bench, Simulated, Trouble, file, profile, sensor};
+use common::{Bench, Trouble, file, profile, sensor};
 
 /// A row of the matrix.
 struct Case {
@@ -57,7 +57,7 @@ fn typed(profile: &Profile, point: &Point) -> Vec<String> {
 
 /// A sensor in the state in which the step begins.
 fn bench(case: &Case, new_settings: bool) -> Bench {
-    let device: Box<dyn Simulated> = if new_settings {
+    let device: Box<dyn Device> = if new_settings {
         let mut lvdt = Lvdt::new(1, Motion::Rest { micrometres: -328, decidegrees: 255 });
         lvdt.answers_at_new_settings = true;
         Box::new(lvdt)

@@ -2,10 +2,10 @@
 
 mod common;
 
-use buslens_bus::sim::{Course, Level, Lvdt, Motion};
+use buslens_bus::sim::{Course, Device, Level, Lvdt, Motion};
 use buslens_codec::UnitId;
 use buslens_configure::{Datum, Edit, Ending, Plan, Reach, Read, Report, Scope, Snapshot, Task, Way};
-use common::{Bench, Simulated, Trouble, file, profile, sensor};
+use common::{Bench, Trouble, file, profile, sensor};
 use proptest::prelude::*;
 
 /// Points with values that the device takes, chosen by numbers.
@@ -32,13 +32,13 @@ fn bench(device: usize, new_settings: bool) -> Bench {
         (0, true) => {
             let mut lvdt = Lvdt::new(1, Motion::Rest { micrometres: 5, decidegrees: 5 });
             lvdt.answers_at_new_settings = true;
-            let lvdt: Box<dyn Simulated> = Box::new(lvdt);
+            let lvdt: Box<dyn Device> = Box::new(lvdt);
             Bench::new(file("lvdt"), [lvdt])
         }
         (1, keeps_unsaved) => {
             let mut level = Level::new(1, Course::Rest(5));
             (level.keeps_unsaved, level.answers_blocks) = (keeps_unsaved, !keeps_unsaved);
-            let level: Box<dyn Simulated> = Box::new(level);
+            let level: Box<dyn Device> = Box::new(level);
             Bench::new(file("level"), [level])
         }
         _ => Bench::new(file("gauge-cable"), [sensor("gauge-cable")]),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use buslens_bus::record::{End, Outcome};
-use buslens_bus::sim::Line as Wire;
+use buslens_bus::sim::{Device as Sim, Line as Wire};
 use buslens_bus::time::Instant;
 use buslens_bus::{Config, Event, Exchange, Job, JobId, LinkEvent, LinkOrder, LinkState, Master, Poll};
 use buslens_codec::UnitId;
@@ -21,7 +21,7 @@ use buslens_configure::{
     Snapshot, StepOutcome, Task, Way,
 };
 
-pub use sensors::{Simulated, sensor};
+pub use sensors::sensor;
 
 /// When a bench begins.
 pub const START: Instant = Instant::from_micros(20_000_000);
@@ -61,7 +61,7 @@ impl Trouble {
 }
 
 #[allow(clippy::struct_excessive_bools)] // switches and lamps, each on its own
-pub struct Bench<D: Simulated = Box<dyn Simulated>> {
+pub struct Bench<D: Sim = Box<dyn Sim>> {
     pub master: Master,
     pub wire: Wire<D>,
     pub now: Instant,
@@ -104,7 +104,7 @@ impl Bench {
     }
 }
 
-impl<D: Simulated> Bench<D> {
+impl<D: Sim> Bench<D> {
     /// Sensors on the line; the first one is polled.
     pub fn new(file: &str, devices: impl IntoIterator<Item = D>) -> Self {
         let profile = Profile::from_json(file).unwrap();
@@ -381,7 +381,7 @@ impl<D: Simulated> Bench<D> {
             Trouble::UnplugAfter => self.unplug(),
             Trouble::PowerCycle => {
                 let now = self.now;
-                self.sensor().cut_power(now);
+                self.sensor().power_cycle(now);
             }
             Trouble::Reload => {
                 // The page goes, and with it the master and the port. The new one opens the port as it was.

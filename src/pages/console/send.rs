@@ -275,29 +275,13 @@ fn result(app: &'static Workbench, dock: &'static Dock) -> El {
         .live_attr("data-state", move || dock.sent.with(|sent| sent.as_ref().map(|sent| sent.state().to_owned())))
         .live_attr("data-times", move || dock.sent.with(|sent| sent.as_ref().map(|sent| sent.times.to_string())))
         .live_attr("data-end", move || {
-            dock.sent.with(|sent| Some(end_key(sent.as_ref()?.outcome.as_ref()?.end).to_owned()))
+            dock.sent.with(|sent| Some(sent.as_ref()?.outcome.as_ref()?.end.name().to_owned()))
         })
         .live(move || {
             let profile = app.console.device().map(Device::profile);
             let language = app.language.get();
             dock.sent.with(|sent| sent.as_ref().map(|sent| result_line(language, profile, sent)).unwrap_or_default())
         })
-}
-
-/// An end's stable name, for tests.
-fn end_key(end: End) -> &'static str {
-    match end {
-        End::Answered => "answered",
-        End::Broadcast => "broadcast",
-        End::Heard => "heard",
-        End::Silence => "silence",
-        End::Damaged => "damaged",
-        End::Doubtful => "doubtful",
-        End::ReadOnly => "read-only",
-        End::NoPort => "no-port",
-        End::Withdrawn => "withdrawn",
-        End::Busy => "busy",
-    }
 }
 
 fn result_line(language: Language, profile: Option<&buslens_codec::profile::Profile>, sent: &Sent) -> Vec<El> {
