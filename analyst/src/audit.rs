@@ -97,8 +97,7 @@ fn bytes(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use buslens_bus::record::End;
-    use buslens_bus::record::Origin;
+    use buslens_bus::record::{End, Origin};
     use buslens_codec::UnitId;
     use buslens_codec::line::{LineSettings, Parity};
     use buslens_configure::{AuditEntry, Reach};

@@ -60,7 +60,7 @@ fn row(language: Language, wire: &Wire, y: usize) -> [El; 6] {
         label_at("colour", 115, y - 6, device::pick(language, &wire.name)).attr("text-anchor", "middle"),
         svg("circle").class("terminal").attr("cx", "166").attr("cy", &y.to_string()).attr("r", "6"),
         label_at("signal", 180, y + 4, &signed(&wire.signal)),
-        label_at("use", 206, y + 4, &device::pick(language, &wire.purpose).replace('-', "\u{2013}")),
+        label_at("use", 216, y + 4, &device::pick(language, &wire.purpose).replace('-', "\u{2013}")),
     ]
 }
 

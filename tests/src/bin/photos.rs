@@ -305,6 +305,7 @@ async fn open_help(browser: &Browser, device: &str) {
     if device != "lvdt" {
         HelpSheet { browser }.close().await;
     }
+    browser.click("nav-live").await;
     LivePage::open(browser).await;
     browser.choose("profile", device).await;
     HelpSheet::open(browser).await;
@@ -472,6 +473,9 @@ async fn set_configure(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             let has_written = |sent: &[u8]| sent.windows(write.len()).any(|window| window == write);
             bench.wire().wait_for_sent(from, Duration::from_secs(30), has_written);
             bench.wire().with(|line, _| line.faults.lost_replies = u32::MAX);
+            // The search of all settings takes longer than anything else here: half of it is waited for by itself.
+            let half = "(bar => bar && bar.max > 42 && bar.value > bar.max / 2)(document.querySelector('[data-test=run-card] progress'))";
+            browser.wait_for(half).await;
             page.wait_for_ending("lost").await;
         }
         Scene::ConfigureJournal => {
