@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use buslens_bus::sim::{Line, Lvdt, Motion};
-use buslens_codec::line::{LineSettings, Parity};
-use buslens_tests::pages::{Figures, LivePage, State};
+use buslens_bus::sim::{Device, Line, Lvdt, Motion};
+use buslens_codec::line::{DataBits, LineSettings, Parity};
+use buslens_tests::pages::{ConfigurePage, Figures, LivePage, State};
 use buslens_tests::testbed::{Bench, Registers, Relay, site};
 
 const FACTORY: LineSettings = LineSettings::new(9600, Parity::Even);
@@ -40,6 +40,45 @@ async fn the_page_reads_the_right_figures() {
     assert_eq!(page.count("bad-checks").await + page.count("exceptions").await, 0);
     assert!(bench.wire().sent().starts_with(&[0x01, 0x04, 0x00, 0x02, 0x00, 0x04, 0x50, 0x09]));
     assert_eq!(bench.browser.complaints().await, [""; 0]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn an_ascii_sensor_is_read_and_written_at_seven_and_eight_data_bits() {
+    let mut sensor = Lvdt::new(1, rest(-328));
+    assert!(sensor.preset(0x0060, 2));
+    let bench = Bench::new(Line::new([sensor], 1)).await;
+    let page = LivePage::open(&bench.browser).await;
+    bench.browser.choose("mode", "ascii").await;
+    for (choice, bits, settings) in
+        [("8", DataBits::Eight, "9600 8E1 · ASCII · unit 1"), ("7", DataBits::Seven, "9600 7E1 · ASCII · unit 1")]
+    {
+        bench.browser.choose("data-bits", choice).await;
+        page.connect().await;
+        page.wait_for_displacement("−0.328 mm").await;
+        assert_eq!(bench.adapter.data_bits(), Some(bits));
+        let configure = ConfigurePage::open(&bench.browser).await;
+        configure.wait_until_read().await;
+        configure.choose("sample_rate", if bits == DataBits::Seven { 5 } else { 6 }).await;
+        configure.write_all().await;
+        configure.wait_for_ending("done").await;
+        configure.wait_for_reading_at(settings).await;
+        assert_eq!(bench.adapter.data_bits(), Some(bits));
+        if bits == DataBits::Eight {
+            bench.browser.click("nav-live").await;
+            LivePage::open(&bench.browser).await;
+            bench.browser.click("disconnect").await;
+            page.wait_for(State::Closed).await;
+        }
+    }
+    // RTU has eight always.
+    let configure = ConfigurePage::open(&bench.browser).await;
+    configure.wait_until_read().await;
+    configure.choose("output_mode", 1).await;
+    configure.write_all().await;
+    configure.wait_for_ending("done").await;
+    configure.wait_for_reading_at("9600 8E1 · RTU · unit 1").await;
+    assert_eq!(bench.adapter.data_bits(), Some(DataBits::Eight));
 }
 
 #[tokio::test(flavor = "multi_thread")]

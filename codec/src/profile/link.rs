@@ -64,7 +64,13 @@ impl Profile {
                 Effect::Baud => link.line.baud = u32::try_from(number()?).ok().filter(|baud| *baud > 0)?,
                 Effect::Parity | Effect::Mode | Effect::DataBits | Effect::StopBits => match setting()? {
                     Setting::Parity(parity) => link.line.parity = parity,
-                    Setting::Mode(mode) => link.mode = mode,
+                    Setting::Mode(mode) => {
+                        link.mode = mode;
+                        // Seven are left behind with ASCII: RTU has eight always (clause 2.5.1).
+                        if mode == Mode::Rtu {
+                            link.line.data_bits = DataBits::Eight;
+                        }
+                    }
                     Setting::DataBits(data_bits) => link.line.data_bits = data_bits,
                     Setting::StopBits(stop_bits) => link.line.stop_bits = stop_bits,
                 },
@@ -93,6 +99,9 @@ mod tests {
         assert_eq!(after("baud", Value::Code(8)), None);
         assert_eq!(after("parity", Value::Code(3)), line(LineSettings::new(9600, Parity::None)));
         assert_eq!(after("output_mode", Value::Code(2)), Some(Link { mode: Mode::Ascii, ..before }));
+        let seven = LineSettings { data_bits: DataBits::Seven, ..before.line };
+        let ascii = Link { line: seven, mode: Mode::Ascii, ..before };
+        assert_eq!(lvdt.link_after(lvdt.point("output_mode").unwrap(), Value::Code(1), ascii), Some(before));
         let nine = Value::Number(Decimal::whole(9));
         assert_eq!(after("address", nine), Some(Link { unit: Some(UnitId(9)), ..before }));
         assert_eq!(after("address", Value::Number(Decimal::whole(256))), None);

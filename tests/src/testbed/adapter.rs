@@ -4,16 +4,18 @@
 //! serial driver in /proc/tty/drivers (4:64), which Chromium looks up. The device node is a link to the pty of the day.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::fs::symlink;
 use std::os::unix::net::{UnixDatagram, UnixListener, UnixStream};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 
+use buslens_codec::line::DataBits;
+use nix::libc;
 use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
@@ -35,8 +37,17 @@ pub struct Adapter {
     /// Major and minor number as umockdev writes them down for a pty.
     number: PathBuf,
     driver_port: u16,
-    busy: Arc<AtomicBool>,
+    port: Arc<Port>,
     _description: tempfile::TempDir,
+}
+
+/// What the system knows of the port.
+#[derive(Default)]
+struct Port {
+    /// Another program holds it.
+    is_busy: AtomicBool,
+    /// The control flags of the last settings that were asked for.
+    control: AtomicU32,
 }
 
 impl Adapter {
@@ -79,9 +90,9 @@ impl Adapter {
         let number = fs::read_link(known.path()).expect("the map holds links");
         // Until something is plugged in there is no node.
         let _ = fs::remove_file(root.join("dev/ttyUSB0"));
-        let busy = Arc::new(AtomicBool::new(false));
-        answer_ioctls(&root.join("ioctl/dev/ttyUSB0"), &busy);
-        Self { usb, process, root, number, driver_port, busy, _description: folder }
+        let port = Arc::default();
+        answer_ioctls(&root.join("ioctl/dev/ttyUSB0"), &port);
+        Self { usb, process, root, number, driver_port, port, _description: folder }
     }
 
     pub(super) fn driver_port(&self) -> u16 {
@@ -111,7 +122,16 @@ impl Adapter {
 
     /// Another program holds the port, or lets it go: the system refuses to give it to the browser.
     pub fn set_busy(&self, busy: bool) {
-        self.busy.store(busy, Ordering::Relaxed);
+        self.port.is_busy.store(busy, Ordering::Relaxed);
+    }
+
+    /// The size of a character that the browser asked the system for last, before the pty made eight bits of it.
+    pub fn data_bits(&self) -> Option<DataBits> {
+        match self.port.control.load(Ordering::Relaxed) & libc::CSIZE {
+            libc::CS7 => Some(DataBits::Seven),
+            libc::CS8 => Some(DataBits::Eight),
+            _ => None,
+        }
     }
 
     /// Pulls the adapter out.
@@ -200,43 +220,54 @@ fn subsystem_hash(text: &[u8]) -> u32 {
 
 /// umockdev asks a socket what to do about each ioctl on the device. The answer is to do it on the real pty, unless the
 /// port is busy.
-fn answer_ioctls(socket: &Path, busy: &Arc<AtomicBool>) {
+fn answer_ioctls(socket: &Path, port: &Arc<Port>) {
     let folder = socket.parent().expect("a socket in a folder");
     fs::create_dir_all(folder).expect("umockdev's folder is writable");
     let _ = fs::remove_file(socket);
     let listener = UnixListener::bind(socket).expect("umockdev's folder is writable");
-    let busy = Arc::clone(busy);
+    let port = Arc::clone(port);
     // Both threads end when the process at the other end does, or with the test.
     thread::spawn(move || {
         for stream in listener.incoming().map_while(Result::ok) {
-            let busy = Arc::clone(&busy);
-            thread::spawn(move || answer_ioctls_of(stream, &busy));
+            let port = Arc::clone(&port);
+            // An error is the end of the process at the other end.
+            thread::spawn(move || answer_ioctls_of(stream, &port).ok());
         }
     });
 }
 
 /// Requests and answers are three native u64: kind and two arguments.
-fn answer_ioctls_of(mut stream: UnixStream, busy: &AtomicBool) {
+fn answer_ioctls_of(mut stream: UnixStream, port: &Port) -> io::Result<()> {
     const RESULT: u64 = 2;
     const DONE: u64 = 3;
     const RUN: u64 = 4;
+    const READ_MEMORY: u64 = 5;
     const MINUS_ONE: u64 = u64::MAX;
     const EBUSY: u64 = 16;
-    let mut request = [0; 24];
-    while stream.read_exact(&mut request).is_ok() {
+    loop {
+        let mut request = [0; 24];
+        stream.read_exact(&mut request)?;
         let word = |place: usize| {
             let bytes = request[8 * place..8 * place + 8].try_into().expect("eight bytes");
             u64::from_ne_bytes(bytes)
         };
-        let answer = match word(0) {
-            RESULT => [DONE, word(1), word(2)],
-            _ if busy.load(Ordering::Relaxed) => [DONE, MINUS_ONE, EBUSY],
+        let (kind, ioctl, argument) = (word(0), word(1), word(2));
+        let is_settings = [libc::TCSETS, libc::TCSETSW, libc::TCSETSF, libc::TCSETS2, libc::TCSETSW2, libc::TCSETSF2]
+            .contains(&ioctl);
+        if kind != RESULT && is_settings {
+            // The flags of input, output and control come first, each an u32.
+            stream.write_all(&[READ_MEMORY, argument, 12].map(u64::to_ne_bytes).concat())?;
+            let mut flags = [0; 12];
+            stream.read_exact(&mut flags)?;
+            let control = u32::from_ne_bytes(flags[8..].try_into().expect("four bytes"));
+            port.control.store(control, Ordering::Relaxed);
+        }
+        let answer = match kind {
+            RESULT => [DONE, ioctl, argument],
+            _ if port.is_busy.load(Ordering::Relaxed) => [DONE, MINUS_ONE, EBUSY],
             _ => [RUN, 0, 0],
         };
-        let answer: Vec<u8> = answer.iter().flat_map(|word| word.to_ne_bytes()).collect();
-        if stream.write_all(&answer).is_err() {
-            return;
-        }
+        stream.write_all(&answer.map(u64::to_ne_bytes).concat())?;
     }
 }
 

@@ -42,8 +42,8 @@ impl Pty {
     }
 
     /// The settings that whoever opened the path asked for; `None` for a baud rate that is not in the list below. A pty
-    /// hides the character size and the parity's enabling bit, so data bits are always eight and parity is told by the
-    /// input check.
+    /// hides the character size and the parity's enabling bit, so data bits are always eight ([`super::Adapter`] knows what
+    /// was asked for) and parity is told by the input check.
     pub fn settings(&self) -> Option<LineSettings> {
         let settings = tcgetattr(self.master.as_fd()).ok()?;
         Some(LineSettings {
