@@ -45,7 +45,7 @@ pub(crate) fn follow(app: &'static App) {
     }
     on_window("storage", move |_| {
         // Another tab may have made the first one.
-        if app.workbench.get_untracked() == Loading::Absent && storage::load(OWN_PROFILES).is_some() {
+        if storage::load(OWN_PROFILES).is_some() {
             load(app);
         }
     });
@@ -75,9 +75,7 @@ pub(crate) fn follow(app: &'static App) {
 /// A place that the workbench fills: `content` is what it is told, and follows signals. Until the program is there, the
 /// place says so.
 pub(crate) fn place(app: &'static App, content: impl Fn() -> ToWorkbench + 'static, end: ToWorkbench) -> El {
-    if matches!(app.workbench.get_untracked(), Loading::Absent | Loading::Failed) {
-        load(app);
-    }
+    load(app);
     let place = el("div").class("contents");
     let handle = place.handle();
     react(move || {
@@ -101,8 +99,11 @@ fn failure(app: &'static App) -> El {
     el("section").class("alert").attr("role", "alert").test("loading-failed").child(icon(Icon::Fault)).child(what)
 }
 
-/// Loads it.
+/// Loads it, unless it is there or on its way: two in one page would get in each other's way.
 pub(crate) fn load(app: &'static App) {
+    if matches!(app.workbench.get_untracked(), Loading::Coming | Loading::There) {
+        return;
+    }
     app.workbench.set(Loading::Coming);
     spawn_local(async move {
         let loaded = match import_workbench() {

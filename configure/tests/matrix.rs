@@ -1,7 +1,8 @@
 //! The fault matrix: every step of configuring every device, and everything that can go wrong with it. Whatever happens,
 //! the report is true and the device is brought back by what a page has.
 //!
-//! `docs/fault-matrix.md` is made of what happens here. With the variable `BLESS` set it is written anew.
+//! `docs/fault-matrix.md` is made of what happens here. With the variable `BLESS` set it is written anew. The project's
+//! browser tests let all of it happen once more, through the page.
 
 mod common;
 
@@ -182,7 +183,8 @@ const HEAD: &str = "\
 
 Every step of configuring every built-in device, and everything that can go wrong just then. This page is made by a test
 (`configure/tests/matrix.rs`), which lets each of it happen on a simulated line, compares the report with what the device
-really holds, and brings the device back with nothing but what a page has. It fails if this page says otherwise.
+really holds, and brings the device back with nothing but what a page has. It fails if this page says otherwise. Then every
+cell happens once more through the page itself, in a browser with a serial port (`tests/tests/matrix.rs`).
 
 | column | what happens |
 | --- | --- |

@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant as Clock};
 
@@ -68,7 +68,6 @@ pub struct Wire<F: FarEnd> {
 struct Shared<F> {
     state: Mutex<State<F>>,
     changed: Condvar,
-    origin: Clock,
 }
 
 struct State<F> {
@@ -90,10 +89,12 @@ impl<F> Shared<F> {
         // A test that has failed with the lock held shall say its own words.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
 
-    fn now(&self) -> Instant {
-        Instant::ZERO + self.origin.elapsed()
-    }
+/// The time on every wire: what answers on one goes on on another.
+fn clock() -> Instant {
+    static ORIGIN: LazyLock<Clock> = LazyLock::new(Clock::now);
+    Instant::ZERO + ORIGIN.elapsed()
 }
 
 impl<F: FarEnd> Wire<F> {
@@ -112,7 +113,7 @@ impl<F: FarEnd> Wire<F> {
             unsent: Vec::new(),
             delivered: None,
         };
-        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), origin: Clock::now() });
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         let (waker, bell) = UnixStream::pair().expect("a socket pair");
         waker.set_nonblocking(true).expect("a socket");
         bell.set_nonblocking(true).expect("a socket");
@@ -132,7 +133,7 @@ impl<F: FarEnd> Wire<F> {
     pub fn with<T>(&self, act: impl FnOnce(&mut F, Instant) -> T) -> T {
         let result = {
             let mut state = self.shared.lock();
-            act(state.far_end.as_mut().expect("a whole wire has a far end"), self.shared.now())
+            act(state.far_end.as_mut().expect("a whole wire has a far end"), clock())
         };
         self.wake();
         result
@@ -189,6 +190,15 @@ impl<F: FarEnd> Wire<F> {
         assert!(!wait.timed_out(), "the browser sent only {:02X?}", &state.sent[from..]);
     }
 
+    /// Waits until something has come of what the browser has sent.
+    pub fn wait_until(&self, limit: Duration, wanted: impl Fn(&F) -> bool) {
+        let locked = self.shared.lock();
+        let is_so = |state: &mut State<F>| state.far_end.as_ref().is_some_and(&wanted);
+        let end = self.shared.changed.wait_timeout_while(locked, limit, |state| !is_so(state));
+        let (state, wait) = end.unwrap_or_else(PoisonError::into_inner);
+        assert!(!wait.timed_out(), "the browser has not brought it about; it sent {:02X?}", state.sent);
+    }
+
     /// Cuts the wire: the browser's port is gone. Gives the far end back.
     pub fn take_apart(mut self) -> F {
         self.stop();
@@ -224,10 +234,10 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
             if state.stopping {
                 return;
             }
-            let now = shared.now();
+            let now = clock();
             advance(&mut state, pty, now);
             let due = state.far_end.as_ref().and_then(FarEnd::poll_timeout);
-            let due = due.map(|due| due.saturating_since(shared.now()));
+            let due = due.map(|due| due.saturating_since(clock()));
             // A pty does not tell when there is room again.
             let look_again = (!state.unsent.is_empty()).then_some(LOOK_AGAIN);
             due.into_iter().chain(look_again).min()
@@ -246,7 +256,7 @@ fn carry<F: FarEnd>(pty: &Pty, bell: &UnixStream, shared: &Shared<F>) {
         if bytes_came {
             let Ok(count) = (&pty.master).read(&mut buffer) else { continue };
             let mut state = shared.lock();
-            let now = shared.now();
+            let now = clock();
             notice_settings(&mut state, pty, now);
             state.sent.extend_from_slice(&buffer[..count]);
             if let Some(far_end) = &mut state.far_end {
