@@ -4,6 +4,7 @@
 //! A profile is a JSON file; `docs/profiles.md` of the project tells its keys. [`Profile::from_json`] checks what can be
 //! checked without the device, down to the worked examples.
 
+mod grid;
 mod known;
 mod link;
 mod load;
@@ -21,6 +22,7 @@ use crate::line::{LineSettings, Mode};
 use crate::unit::UnitId;
 use crate::value::Value;
 
+pub use grid::Grid;
 pub use known::{Known, PointValue};
 pub use link::{Link, Setting};
 pub use parts::{Choices, Erratum, Example, Group, Help, Interface, Range, Texts, Timing, Wire};

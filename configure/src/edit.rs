@@ -51,6 +51,13 @@ pub enum Unfit {
         /// Digits behind the point.
         decimals: u8,
     },
+    /// Its numbers lie further apart, in the point's unit.
+    BetweenSteps {
+        /// From one to the next.
+        step: Decimal,
+        /// The least of them.
+        first: Decimal,
+    },
     /// Its table of codes knows no such value: [`Point::codes`] has what it takes.
     NotInTable,
     /// The number of its registers or coils is another one.
@@ -155,7 +162,7 @@ fn carried(
     let registers = if point.decimals_from.is_some() {
         let found = decode(profile, point, registers, other).filter(|found| found.scaled).ok_or(Unfit::NotScaled)?;
         let value = found.value.map_err(|_| Unfit::TooLarge)?;
-        profile.encode_point(point, value, known).map_err(unfit)?
+        encoded(profile, point, value, known)?
     } else {
         own_bits(point, registers)
     };
@@ -248,7 +255,7 @@ fn encoded(profile: &Profile, point: &Point, value: Value, known: &Known) -> Res
         return Err(Unfit::OutOfRange { first: range.first, last: range.last });
     }
     profile.encode_point(point, value, known).map_err(|error| match (error, value) {
-        (ValueError::Unrepresentable, Value::Number(number)) => too_fine_or_large(profile, point, number, known),
+        (ValueError::Unrepresentable, Value::Number(number)) => misfit(profile, point, number, known),
         (error, _) => unfit(error),
     })
 }
@@ -261,15 +268,16 @@ fn unfit(error: ValueError) -> Unfit {
     }
 }
 
-/// A number that does not fit has digits too many behind the point, or before it.
-fn too_fine_or_large(profile: &Profile, point: &Point, number: Decimal, known: &Known) -> Unfit {
-    let fits = |decimals: &u8| {
-        let least = Value::Number(Decimal { mantissa: 1, decimals: *decimals });
-        profile.encode_point(point, least, known).is_ok()
-    };
-    let finest = (0..=Decimal::MAX_DECIMALS).rev().find(fits);
-    let has_more = |decimals: &u8| number.mantissa_with(i8::try_from(*decimals).unwrap_or(i8::MAX)).is_none();
-    finest.filter(has_more).map_or(Unfit::TooLarge, |decimals| Unfit::TooFine { decimals })
+/// Why no registers hold a number: it is beyond them, or lies between two that they hold.
+fn misfit(profile: &Profile, point: &Point, number: Decimal, known: &Known) -> Unfit {
+    let Some(grid) = profile.grid(point, known) else { return Unfit::TooLarge };
+    if !grid.contains(number) {
+        return Unfit::OutOfRange { first: grid.first, last: grid.last };
+    }
+    match grid.step {
+        Decimal { mantissa: 1, decimals } => Unfit::TooFine { decimals },
+        step => Unfit::BetweenSteps { step, first: grid.first },
+    }
 }
 
 /// The code with this name in either language, whatever its case.

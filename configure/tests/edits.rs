@@ -100,7 +100,10 @@ fn what_the_device_would_refuse_is_refused_before() {
     let (level, have) = level(2, 7, 0);
     for (text, why) in [
         ("0.001", Unfit::TooFine { decimals: 2 }),
-        ("327.68", Unfit::TooLarge),
+        (
+            "327.68",
+            Unfit::OutOfRange { first: Decimal::parse("-327.68").unwrap(), last: Decimal::parse("327.67").unwrap() },
+        ),
         ("1,5", Unfit::NotANumber),
         ("1 kPa", Unfit::NotANumber),
     ] {
@@ -264,7 +267,7 @@ fn values_are_carried_over_and_not_registers() {
     assert_eq!(transfer.refused, [Refusal { point: "decimals".to_owned(), why: Unfit::NotWritable }]);
     let (_, fine) = level(3, 7, 255);
     let refused = edits_to(&profile, &have, &fine, false).refused;
-    assert_eq!(refused[1], Refusal { point: "zero_offset".to_owned(), why: Unfit::TooLarge });
+    assert_eq!(refused[1], Refusal { point: "zero_offset".to_owned(), why: Unfit::TooFine { decimals: 2 } });
     let (_, other) = level(2, 1, 250);
     let refused = edits_to(&profile, &have, &other, false).refused;
     let why = Unfit::OtherUnit { device: "mH₂O".to_owned(), value: "kPa".to_owned() };

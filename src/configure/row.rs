@@ -1,7 +1,7 @@
 //! A parameter as a row of the table.
 
 use buslens_codec::profile::{Danger, Point, Profile};
-use buslens_codec::value::Encoding;
+use buslens_codec::value::Decimal;
 use buslens_configure::{Read, Snapshot};
 
 use super::words;
@@ -21,6 +21,8 @@ pub(crate) struct Held {
     pub(crate) registers: String,
     /// Whether it is as it leaves the factory, if that is known.
     pub(crate) factory: Option<bool>,
+    /// From one value that its registers can hold to the next, in its unit.
+    pub(crate) step: Option<Decimal>,
     /// What is to be known of the value.
     pub(crate) note: Option<&'static str>,
 }
@@ -34,12 +36,18 @@ impl Held {
         };
         let shown = words::shown(profile, point, registers, have, |texts| words::pick(language, texts));
         let value = shown.as_ref().and_then(|shown| shown.text.as_deref());
+        let text = match value {
+            None => language.cfg_no_value().to_owned(),
+            Some("") => language.cfg_empty().to_owned(),
+            Some(text) => words::with_minus(point, text),
+        };
         Self {
-            text: value.map_or_else(|| language.cfg_no_value().to_owned(), |text| words::with_minus(point, text)),
+            text,
             is_value: value.is_some(),
             unit: shown.as_ref().map_or_else(String::new, |shown| shown.unit.clone()),
             registers: words::registers(registers),
             factory: shown.as_ref().and_then(|shown| shown.factory),
+            step: profile.grid(point, &have.known(profile)).map(|grid| grid.step),
             note: shown.filter(|shown| !shown.scaled).map(|_| language.cfg_not_scaled()),
         }
     }
@@ -64,11 +72,9 @@ pub(crate) fn range(language: Language, point: &Point, held: &Held) -> String {
     let limits = point.range.map(|limits| (limits.first.to_string(), limits.last.to_string()));
     let limits = limits.map(|(first, last)| language.cfg_unfit_range(&signed(&first), &signed(&last)));
     let unit = Some(held.unit.as_str()).filter(|unit| !unit.is_empty()).map(|unit| language.cfg_unit_in(unit));
-    // A float and a text have no steps, whatever stands behind a point in them.
-    let has_steps = !matches!(point.encoding, Encoding::Float { .. } | Encoding::Double { .. } | Encoding::Text { .. });
-    let digits = held.text.split_once('.').filter(|_| held.is_value && has_steps);
-    let decimals = digits.map_or(0, |(_, digits)| digits.len());
-    let step = (decimals > 0).then(|| language.cfg_step_is(&["0.", &"0".repeat(decimals - 1), "1"].concat()));
+    // Whole numbers go without saying.
+    let step = held.step.filter(|step| step.compare(Decimal::whole(1)).is_ne());
+    let step = step.map(|step| language.cfg_step_is(&step.to_string()));
     limits.into_iter().chain(unit).chain(step).collect::<Vec<_>>().join(" \u{B7} ")
 }
 
@@ -135,14 +141,18 @@ mod tests {
                 "read": [3], "write": [6], "role": "parameter",
                 "codes": [ { "code": 0, "name": { "en": "stand-by", "zh": "待机" } } ] },
               { "id": "trim", "name": { "en": "Trim", "zh": "微调" }, "register": 515,
-                "encoding": { "type": "i16", "decimals": 2 }, "read": [3], "write": [6], "role": "parameter" },"#,
+                "encoding": { "type": "i16", "decimals": 2 }, "read": [3], "write": [6], "role": "parameter" },
+              { "id": "span", "name": { "en": "Span", "zh": "跨度" }, "register": 516,
+                "encoding": { "type": "u16" }, "scale": 5, "offset": 2.5, "read": [3], "write": [6],
+                "role": "parameter" },"#,
             1,
         );
-        let profile = Profile::from_json(&text).expect("three points more");
+        let profile = Profile::from_json(&text).expect("four points more");
         let data = [
             ("tag", Read::Registers(vec![0x412D, 0x2E37])),
             ("mode", Read::Registers(vec![0])),
             ("trim", Read::Registers(vec![0xFFF4])),
+            ("span", Read::Registers(vec![4])),
         ];
         let have = have(&profile, &data);
         let said = |point: &str| {
@@ -153,6 +163,11 @@ mod tests {
         assert_eq!(said("tag"), ("A-.7".to_owned(), String::new()));
         assert_eq!(said("mode"), ("stand-by".to_owned(), String::new()));
         assert_eq!(said("trim"), ("\u{2212}0.12".to_owned(), "in steps of 0.01".to_owned()));
+        assert_eq!(said("span"), ("22.5".to_owned(), "in steps of 5".to_owned()));
+        let point = profile.point("span").unwrap();
+        let refused = buslens_configure::Edit::parse(&profile, point, "24", &have).expect_err("it lies between");
+        let told = words::unfit(Language::En, &profile, "span", &refused.why);
+        assert_eq!(told, "in steps of 5, from 2.5 on");
     }
 
     #[test]

@@ -66,6 +66,7 @@ pub(crate) fn value(
 ) -> String {
     let shown = shown(profile, point, registers, have, |texts| pick(language, texts));
     match shown.and_then(|shown| Some((shown.text?, shown.unit))) {
+        Some((text, _)) if text.is_empty() => language.cfg_empty().to_owned(),
         Some((text, unit)) if unit.is_empty() => with_minus(point, &text),
         Some((text, unit)) => [&with_minus(point, &text), " ", &unit].concat(),
         None => self::registers(registers),
@@ -98,6 +99,7 @@ pub(crate) fn unfit(language: Language, profile: &Profile, point: &str, why: &Un
         Unfit::TooLarge => language.cfg_unfit_large().to_owned(),
         Unfit::TooFine { decimals: 0 } => language.cfg_unfit_whole().to_owned(),
         Unfit::TooFine { decimals } => language.cfg_unfit_fine(*decimals),
+        Unfit::BetweenSteps { step, first } => language.cfg_unfit_step(&step.to_string(), &signed(&first.to_string())),
         Unfit::NotInTable => {
             let options = profile.point(point).map(|point| super::row::options(language, point)).unwrap_or_default();
             let labels: Vec<String> = options.into_iter().map(|(_, label)| label).collect();

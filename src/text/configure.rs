@@ -39,6 +39,8 @@ texts! {
     cfg_no_value => "no value of this format" | "不符合该格式的内容";
     cfg_not_scaled => "not scaled: the decimal places were not read" | "未换算：未读到小数位数";
 
+    cfg_empty => "empty" | "空";
+
     cfg_unfit_unknown => "the profile has no such parameter" | "设备描述中没有该参数";
     cfg_unfit_not_writable => "this can only be read" | "该参数只能读取";
     cfg_unfit_number(unit: &str) => "a number is needed {unit}" | "需要数值 {unit}";
@@ -47,6 +49,7 @@ texts! {
     cfg_unfit_range(first: &str, last: &str) => "allowed: {first} to {last}" | "允许范围：{first} 到 {last}";
     cfg_unfit_large => "more than its registers can hold" | "超出其寄存器可表示的范围";
     cfg_unfit_fine(decimals: u8) => "at most {decimals} digits behind the point" | "小数点后最多 {decimals} 位";
+    cfg_unfit_step(step: &str, first: &str) => "in steps of {step}, from {first} on" | "步长 {step}，从 {first} 开始";
     cfg_unfit_whole => "a whole number is needed" | "需要整数";
     cfg_unfit_table(values: &str) => "allowed: {values}" | "允许的值：{values}";
     cfg_unfit_registers(count: usize) => "registers it has: {count}" | "该参数占用的寄存器数：{count}";

@@ -481,6 +481,10 @@ async fn every_kind_of_parameter_of_the_users_own_device_is_written_as_its_profi
     {
         page.wait_for_value(point, value).await;
     }
+    // A text can be emptied.
+    page.write_value("tag", "", "empty").await;
+    let emptied = Request::WriteMultipleRegisters(0x0018, vec![0; 4].into());
+    assert_eq!(bench.wire().with(|relay, _| relay.writes()).last(), Some(&emptied));
     page.wait_for_staged("Nothing staged").await;
     page.wait_for_no_journal().await;
     assert_eq!(bench.browser.complaints().await, [""; 0]);

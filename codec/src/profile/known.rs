@@ -121,7 +121,7 @@ impl Profile {
     }
 
     /// How many digits behind the decimal point another point tells.
-    fn decimals(&self, id: &str, known: &Known) -> Option<i8> {
+    pub(super) fn decimals(&self, id: &str, known: &Known) -> Option<i8> {
         let number = match self.known_of(id, known)? {
             (_, Value::Number(number)) => number.mantissa_with(0)?,
             (teller, Value::Code(code)) => teller.code(code)?.number?.into(),

@@ -241,6 +241,39 @@ impl Encoding {
         }
     }
 
+    /// The digits behind the point of the numbers that it holds; `None` for what is no decimal number.
+    pub(crate) const fn fixed_decimals(self) -> Option<i8> {
+        match self {
+            Self::SignMagnitudeThousandths => Some(3),
+            _ => self.decimals(),
+        }
+    }
+
+    /// The least and the most of the numbers that it holds, as digits without a point; `None` for what is no decimal
+    /// number.
+    pub(crate) const fn ends(self) -> Option<(i64, i64)> {
+        let (least, most) = match self {
+            Self::Integer { width, signed: true, .. } => {
+                let most = i64::MAX >> (64 - width.bits());
+                (-most - 1, most)
+            }
+            Self::Integer { width: Width::Four, signed: false, .. } => (0, i64::MAX),
+            Self::Integer { width, signed: false, .. } => (0, (1 << width.bits()) - 1),
+            Self::SignMagnitude { width, .. } => {
+                let most = i64::MAX >> (64 - width.bits());
+                (-most, most)
+            }
+            Self::Bcd { width, .. } => (0, 10i64.pow(width.bits() / 4) - 1),
+            Self::ReservedI16 { .. } => (i16::MIN as i64, i16::MAX as i64),
+            Self::SignMagnitudeThousandths => (-32_767_999, 32_767_999),
+            Self::SignByteMagnitude { .. } => (-(u16::MAX as i64), u16::MAX as i64),
+            Self::Float { .. } | Self::Double { .. } | Self::Code | Self::Bits { .. } | Self::Text { .. } => {
+                return None;
+            }
+        };
+        Some((least, most))
+    }
+
     /// The same with other digits behind the point, where that can be chosen.
     #[must_use]
     pub const fn with_decimals(mut self, digits: i8) -> Self {

@@ -360,6 +360,8 @@ fn chosen(app: &'static Workbench, device: &'static Device, point: &'static Poin
 fn typed(app: &'static Workbench, device: &'static Device, point: &'static Point, verdicts: Memo<Verdicts>) -> El {
     let configure = &app.configure;
     let profile = device.profile();
+    // A text can be empty, a number cannot.
+    let is_text = matches!(point.encoding, Encoding::Text { .. });
     let held = Memo::new(move |_| {
         configure.held.with(|held| {
             let held = held.as_ref().filter(|held| held.profile == profile.id)?;
@@ -369,7 +371,7 @@ fn typed(app: &'static Workbench, device: &'static Device, point: &'static Point
     });
     el("input")
         .attr("type", "text")
-        .attr("inputmode", if matches!(point.encoding, Encoding::Text { .. }) { "text" } else { "decimal" })
+        .attr("inputmode", if is_text { "text" } else { "decimal" })
         .attr("autocomplete", "off")
         .attr("spellcheck", "false")
         .live_value(move || {
@@ -382,7 +384,7 @@ fn typed(app: &'static Workbench, device: &'static Device, point: &'static Point
         })
         .on("change", move |event| {
             let changes = verdicts.with_untracked(|all| all.changes(&point.id) || all.refusal(&point.id).is_some());
-            if !changes || dom::value(&event).trim().is_empty() {
+            if !changes || !is_text && dom::value(&event).trim().is_empty() {
                 configure.stage(|staged| staged.revert(&point.id));
             }
         })
