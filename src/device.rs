@@ -80,9 +80,12 @@ pub(crate) fn built_in() -> &'static [Device] {
 
 /// Every device that can be chosen: the built-in ones, then the user's own. Follows their changes.
 pub(crate) fn all() -> Vec<&'static Device> {
-    let mut all: Vec<&'static Device> = built_in().iter().collect();
-    OWN.with(|own| all.extend(&own.listed));
-    all
+    built_in().iter().chain(own()).collect()
+}
+
+/// The user's own devices. Follows their changes.
+pub(crate) fn own() -> Vec<&'static Device> {
+    OWN.with(|own| own.listed.clone())
 }
 
 /// The first one: what a new user gets.

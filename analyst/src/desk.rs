@@ -32,9 +32,10 @@ const SAMPLE: usize = 64 << 10;
 
 /// A text in work, or a log that grows, and what has come of it.
 pub struct Desk {
-    built_in: Vec<Profile>,
+    /// Those among which the one that explains most is found: the built-in ones, then the user's own.
+    candidates: Vec<Profile>,
     choice: ProfileChoice,
-    /// The profile in force: one of the built-in ones or the chosen file's.
+    /// The profile in force: one of the candidates or the chosen file's.
     profile: Option<Profile>,
     filter: Filter,
     /// What only a log has that grows.
@@ -81,10 +82,10 @@ impl Desk {
         Self::with(BUILT_IN.iter().filter_map(|text| Profile::from_json(text).ok()).collect())
     }
 
-    fn with(built_in: Vec<Profile>) -> Self {
+    fn with(candidates: Vec<Profile>) -> Self {
         Self {
-            built_in,
-            choice: ProfileChoice::Auto,
+            candidates,
+            choice: ProfileChoice::default(),
             profile: None,
             filter: Filter::default(),
             live: None,
@@ -118,9 +119,9 @@ impl Desk {
 
     /// Clears the desk for a text of `total` characters or bytes. `form` says how to read it; `None` finds out.
     pub fn begin(&mut self, reading: u32, form: Option<Form>, total: u64) {
-        let fresh = Self::with(std::mem::take(&mut self.built_in));
+        let fresh = Self::with(std::mem::take(&mut self.candidates));
         let (choice, filter) = (std::mem::take(&mut self.choice), std::mem::take(&mut self.filter));
-        let profile = self.profile.take().filter(|_| choice != ProfileChoice::Auto);
+        let profile = self.profile.take().filter(|_| !matches!(choice, ProfileChoice::Auto(_)));
         *self = Self {
             choice,
             filter,
@@ -183,6 +184,10 @@ impl Desk {
 
     /// Names values under another profile from now on.
     pub fn choose(&mut self, choice: ProfileChoice) {
+        if let ProfileChoice::Auto(own) = &choice {
+            self.candidates.truncate(BUILT_IN.len());
+            self.candidates.extend(own.iter().filter_map(|text| Profile::from_json(text).ok()));
+        }
         self.choice = choice;
         self.profile = None;
         self.take_up_profile();
@@ -294,8 +299,8 @@ impl Desk {
         self.profile = match &self.choice {
             ProfileChoice::None => None,
             ProfileChoice::File(text) => Profile::from_json(text).ok(),
-            ProfileChoice::Auto if self.live.is_some() => self.most_explaining_lately(),
-            ProfileChoice::Auto => self.transcript.most_explaining(&self.built_in).cloned(),
+            ProfileChoice::Auto(_) if self.live.is_some() => self.most_explaining_lately(),
+            ProfileChoice::Auto(_) => self.transcript.most_explaining(&self.candidates).cloned(),
         };
         self.tellers = self.profile.as_ref().map(Scales::tellers).unwrap_or_default();
         self.begin_survey();

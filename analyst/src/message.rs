@@ -158,15 +158,21 @@ pub enum Until {
 }
 
 /// Whose registers they are.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProfileChoice {
-    /// The built-in profile that explains most frames.
-    #[default]
-    Auto,
+    /// The profile that explains most frames: a built-in one, or one of these, as the texts of their files.
+    Auto(Vec<String>),
     /// None: bare registers.
     None,
     /// A profile, as the text of its file.
     File(String),
+}
+
+/// Nobody has made profiles of their own, or said which device speaks.
+impl Default for ProfileChoice {
+    fn default() -> Self {
+        Self::Auto(Vec::new())
+    }
 }
 
 /// What of the list is shown. The default shows everything.

@@ -196,14 +196,15 @@ impl Desk {
 
     /// Which profile is to name the values, with its text as it is now.
     pub(crate) fn profile_choice(&self) -> ProfileChoice {
+        let auto = || ProfileChoice::Auto(device::own().iter().map(|device| device.source().to_owned()).collect());
         let file = |id: &str| {
             let device = device::known(id);
-            device.map_or(ProfileChoice::Auto, |device| ProfileChoice::File(device.source().to_owned()))
+            device.map_or_else(auto, |device| ProfileChoice::File(device.source().to_owned()))
         };
         self.profile.with(|id| match id.as_str() {
-            AUTO => ProfileChoice::Auto,
+            AUTO => auto(),
             NO_PROFILE => ProfileChoice::None,
-            CONNECTED => self.connected.with(|id| id.as_deref().map_or(ProfileChoice::Auto, file)),
+            CONNECTED => self.connected.with(|id| id.as_deref().map_or_else(auto, file)),
             id => file(id),
         })
     }

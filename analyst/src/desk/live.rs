@@ -182,10 +182,10 @@ impl Desk {
         self.transcript.footprint() + facts + self.shown.capacity() * size_of::<u32>()
     }
 
-    /// The built-in profile that explains most of the latest frames.
+    /// The profile that explains most of the latest frames.
     pub(super) fn most_explaining_lately(&self) -> Option<Profile> {
         let first = self.transcript.end().saturating_sub(FRAMES_JUDGED).max(self.transcript.first());
-        self.transcript.most_explaining_from(first, &self.built_in).cloned()
+        self.transcript.most_explaining_from(first, &self.candidates).cloned()
     }
 
     fn take(&mut self, note: &Note) {
@@ -305,7 +305,7 @@ impl Desk {
         let end = self.transcript.end();
         let Some(live) = self.live.as_mut().filter(|live| live.judged_at <= end) else { return };
         live.judged_at = end.saturating_mul(4);
-        if self.choice != ProfileChoice::Auto {
+        if !matches!(self.choice, ProfileChoice::Auto(_)) {
             return;
         }
         let found = self.most_explaining_lately();

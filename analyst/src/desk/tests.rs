@@ -79,14 +79,23 @@ fn filters_let_through_what_they_say() {
 
 #[test]
 fn the_profile_that_explains_most_is_found() {
-    let desk = read("01 04 00 02 00 04 50 09 01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1", ProfileChoice::Auto);
+    let desk = read("01 04 00 02 00 04 50 09 01 04 08 00 00 01 1D 00 7B 01 C8 B9 C1", ProfileChoice::default());
     assert_eq!(desk.progress().profile.as_deref(), Some("lvdt"));
-    assert_eq!(read("FF FF FF", ProfileChoice::Auto).progress().profile, None);
+    assert_eq!(read("FF FF FF", ProfileChoice::default()).progress().profile, None);
+}
+
+#[test]
+fn a_profile_of_the_users_own_is_found_as_well() {
+    let own = BUILT_IN[2].replace("\"id\": \"level\"", "\"id\": \"well\"").replace("\"0x0004\"", "\"0x0104\"");
+    let log = "01 03 01 04 00 01 C4 37 01 03 02 17 70 B6 50";
+    let found = |own: &[String]| read(log, ProfileChoice::Auto(own.to_vec())).progress().profile;
+    assert_ne!(found(&[]).as_deref(), Some("well"));
+    assert_eq!(found(&["no profile".to_owned(), own]).as_deref(), Some("well"));
 }
 
 #[test]
 fn requests_alone_are_no_errors() {
-    let mut desk = read("01 03 00 31 00 01 D5 C5\n01 03 00 31 00 01 D5 C5", ProfileChoice::Auto);
+    let mut desk = read("01 03 00 31 00 01 D5 C5\n01 03 00 31 00 01 D5 C5", ProfileChoice::default());
     desk.set_filter(Filter { errors_only: true, ..Filter::default() });
     while desk.work(100) {}
     assert_eq!(desk.progress().shown, 0);
@@ -142,7 +151,7 @@ fn files_of_the_list_hold_what_is_shown() {
 
 #[test]
 fn a_close_look_finds_what_shows_a_number() {
-    let desk = read("0C 04 00 04 00 02 31 17 0C 04 04 80 00 01 48 0F 22", ProfileChoice::Auto);
+    let desk = read("0C 04 00 04 00 02 31 17 0C 04 04 80 00 01 48 0F 22", ProfileChoice::default());
     let look = desk.look(1, " \u{2212}0.328 ");
     assert!(look.understood);
     let fit = &look.fits[0];

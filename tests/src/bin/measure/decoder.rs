@@ -89,7 +89,7 @@ fn native_reading() -> f64 {
     let text = EXCHANGE.repeat(EXCHANGES);
     let once = || {
         let mut desk = Desk::new();
-        desk.choose(ProfileChoice::Auto);
+        desk.choose(ProfileChoice::default());
         let start = Instant::now();
         desk.begin(1, None, text.len() as u64);
         for part in text.as_bytes().chunks(256 << 10) {
