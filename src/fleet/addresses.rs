@@ -36,7 +36,7 @@ impl Addresses {
         let (lowest, last) = (limit(profile.units.first.max(1)), limit(profile.units.last));
         let first = plain(first).parse().ok().filter(|first| (lowest..=last).contains(first)).ok_or(Wrong::First)?;
         let step = plain(step).parse().ok().filter(|step| *step > 0).ok_or(Wrong::Step)?;
-        let skip = numbers(skip).ok_or(Wrong::Skip)?;
+        let skip = unit_ids(skip).ok_or(Wrong::Skip)?;
         let all = Self { first, step, last, skip };
         if all.next(&[]).is_none() { Err(Wrong::Empty) } else { Ok(all) }
     }
@@ -54,7 +54,7 @@ impl Addresses {
 }
 
 /// Unit ids as `1-10, 12`; `None` for anything else.
-pub(crate) fn numbers(text: &str) -> Option<Vec<u8>> {
+pub(crate) fn unit_ids(text: &str) -> Option<Vec<u8>> {
     let mut all = Vec::new();
     let text = plain(text);
     for part in text.split([',', ' ', '\u{3001}', ';']).map(str::trim).filter(|part| !part.is_empty()) {
@@ -96,8 +96,16 @@ mod tests {
     }
 
     #[test]
-    fn a_chinese_keyboard_types_unit_ids_too() {
-        assert_eq!(numbers("１－３，１２"), Some(vec![1, 2, 3, 12]));
+    fn unit_ids_are_typed_one_by_one_or_in_ranges() {
+        assert_eq!(unit_ids("1-3, 12"), Some(vec![1, 2, 3, 12]));
+        assert_eq!(unit_ids(" 247 "), Some(vec![247]));
+        assert_eq!(unit_ids(""), Some(Vec::new()));
+        for wrong in ["0", "5-1", "256", "a", "1-"] {
+            assert_eq!(unit_ids(wrong), None, "{wrong}");
+        }
+        // As a Chinese keyboard writes them.
+        assert_eq!(unit_ids("１－３，１２"), Some(vec![1, 2, 3, 12]));
+        assert_eq!(unit_ids("1，2、3"), Some(vec![1, 2, 3]));
         assert_eq!(parse(" １０ ", "1", "").map(|all| all.first), Ok(10));
     }
 

@@ -9,6 +9,7 @@ use crate::components::button::icon_button;
 use crate::components::icon::Icon;
 use crate::configure::words;
 use crate::dom::{El, el};
+use crate::fleet::addresses::unit_ids;
 use crate::reactive::prelude::*;
 use crate::text::Language;
 use crate::workbench::Workbench;
@@ -19,7 +20,7 @@ const USUAL_UNITS: std::ops::RangeInclusive<u8> = 1..=16;
 /// The card.
 pub(super) fn find_card(app: &'static Workbench) -> El {
     let configure = &app.configure;
-    let wrong = Memo::new(move |_| configure.units.with(|text| units(text).is_none()));
+    let wrong = Memo::new(move |_| configure.units.with(|text| unit_ids(text).is_none()));
     let blocked = move || app.blocked(false);
     let settings = move || {
         let count = configure.device(app).map_or(0, |device| device.profile().line_candidates().len());
@@ -118,7 +119,7 @@ impl Configure {
 
     /// Searches, these places first.
     pub(super) fn search(&self, app: &'static Workbench, first: &[Reach]) {
-        let Some(typed) = self.units.with_untracked(|text| units(text)) else { return };
+        let Some(typed) = self.units.with_untracked(|text| unit_ids(text)) else { return };
         let Some(profile) = untrack(|| self.device(app)).map(crate::device::Device::profile) else { return };
         if untrack(|| app.blocked(false)).is_some() {
             return;
@@ -128,7 +129,7 @@ impl Configure {
         let known = untrack(|| self.have(app, profile)).reach.unit;
         let tells = !profile.discovery.is_empty();
         let units = match typed {
-            typed if !typed.is_empty() => typed,
+            typed if !typed.is_empty() => typed.into_iter().map(UnitId).collect(),
             _ if tells => Vec::new(),
             _ => [known, UnitId(profile.unit)].into_iter().chain(USUAL_UNITS.map(UnitId)).collect(),
         };
@@ -142,36 +143,5 @@ impl Configure {
         self.reviewing.set(None);
         app.find_device(Scope { reaches, everywhere: self.everywhere.get_untracked(), units: each });
         focus_soon("configure-work");
-    }
-}
-
-/// Unit ids as `1-10, 12`; `None` for anything else.
-fn units(text: &str) -> Option<Vec<UnitId>> {
-    let mut all = Vec::new();
-    for part in text.split([',', '\u{FF0C}', ' ', '\u{3001}']).map(str::trim).filter(|part| !part.is_empty()) {
-        let (first, last) = part.split_once('-').unwrap_or((part, part));
-        let (first, last): (u8, u8) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
-        if first == 0 || first > last {
-            return None;
-        }
-        all.extend((first..=last).map(UnitId));
-    }
-    Some(all)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unit_ids_are_typed_one_by_one_or_in_ranges() {
-        let typed = |text: &str| units(text).map(|all| all.into_iter().map(|unit| unit.0).collect::<Vec<_>>());
-        assert_eq!(typed("1-3, 12"), Some(vec![1, 2, 3, 12]));
-        assert_eq!(typed(" 247 "), Some(vec![247]));
-        assert_eq!(typed("1，2"), Some(vec![1, 2]));
-        assert_eq!(typed(""), Some(Vec::new()));
-        for wrong in ["0", "5-1", "256", "a", "1-"] {
-            assert_eq!(typed(wrong), None, "{wrong}");
-        }
     }
 }
