@@ -388,7 +388,10 @@ async fn set_fleet(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
     match scene {
         Scene::FleetSnapshots => {
             browser.open(&format!("{site}/#/live")).await;
+            // What lay over the page before does not any more.
+            browser.reload().await;
             let live = LivePage::open(browser).await;
+            live.choose_device("lvdt").await;
             live.set_line(9600, Parity::Even).await;
             live.set_unit(1).await;
             live.connect().await;
