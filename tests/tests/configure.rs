@@ -183,14 +183,15 @@ async fn follow(wanted: &Move) {
     page.confirm_all().await;
     let begun = Instant::now();
     page.write().await;
-    page.wait_for_reading_at(wanted.settings).await;
-    let took = begun.elapsed();
     page.wait_for_ending("done").await;
-    assert!(page.outcomes().await.iter().all(|outcome| outcome.ends_with(": confirmed")));
-    println!("{}: reading again {took:?} after the click", wanted.settings);
-    bench.wire().wait_for_settings(wanted.line, LIMIT);
+    // Of two polls the second follows upon the first one's answer.
     let from = bench.wire().sent().len();
-    bench.wire().wait_for_sent(from, LIMIT, |sent| has(sent, wanted.poll));
+    let polls = |sent: &[u8]| sent.windows(wanted.poll.len()).filter(|window| *window == wanted.poll).count();
+    bench.wire().wait_for_sent(from, LIMIT, |sent| polls(sent) > 1);
+    page.wait_for_reading_at(wanted.settings).await;
+    println!("{}: reading again {:?} after the click", wanted.settings, begun.elapsed());
+    assert!(page.outcomes().await.iter().all(|outcome| outcome.ends_with(": confirmed")));
+    bench.wire().wait_for_settings(wanted.line, LIMIT);
     let (held, mode) = bench.wire().with(|line, _| {
         let sensor = line.device_mut(0).expect("it is on the line");
         (held(sensor), sensor.mode())
