@@ -27,7 +27,7 @@ impl Profile {
     /// The numbers that a point's registers can hold, whatever its range says. `None` for codes, bits, texts and floats;
     /// where another point scales it that is not known; and for numbers that no [`Decimal`] holds.
     pub fn grid(&self, point: &Point, known: &Known) -> Option<Grid> {
-        let (least, most) = point.encoding.ends()?;
+        let (low, high) = point.encoding.ends()?;
         let decimals = match &point.decimals_from {
             Some(id) => self.decimals(id, known)?,
             None => point.encoding.fixed_decimals()?,
@@ -36,7 +36,7 @@ impl Profile {
             Value::Number(number) => Some(number),
             _ => None,
         };
-        let (a, b) = (value(least)?, value(most)?);
+        let (a, b) = (value(low)?, value(high)?);
         let (first, last) = if a.compare(b).is_le() { (a, b) } else { (b, a) };
         let factor = point.scale.map_or(Decimal::whole(1), |scale| scale.factor);
         let factor = Decimal { mantissa: factor.mantissa.checked_abs()?, ..factor };
