@@ -6,8 +6,8 @@ use buslens_bus::sim::{Device, Line, Lvdt, Motion, Reply};
 use buslens_bus::time::Instant;
 use buslens_codec::line::{LineSettings, Mode};
 use buslens_codec::{UnitId, rtu};
-use buslens_tests::pages::{LivePage, State};
-use buslens_tests::testbed::{Bench, Browser};
+use buslens_tests::pages::{ConfigurePage, LivePage, State};
+use buslens_tests::testbed::{Bench, Browser, site};
 use serde_json::Value;
 
 /// Longer than any exchange takes.
@@ -100,7 +100,51 @@ async fn a_journal_is_on_the_disk_when_the_write_leaves_and_outlives_the_page() 
     assert_eq!((&journals[0]["profile"], &journals[0]["steps"][0]["point"]), (&"lvdt".into(), &"zero".into()));
     assert_eq!(held(&bench.browser).await, 1);
     bench.browser.reload().await;
-    assert_eq!((kept(&bench.browser, "journals").await, held(&bench.browser).await), (journals, 0));
+    // The browser takes the lock back from the page that is gone.
+    let free = format!("navigator.locks.request('buslens-journal-{}', () => done(true));", journals[0]["id"]);
+    bench.browser.run_async(&free).await;
+    assert_eq!(kept(&bench.browser, "journals").await, journals);
+    assert_eq!(bench.browser.complaints().await, [""; 0]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs a browser: cargo xtask test"]
+async fn another_tab_offers_a_journal_once_nobody_works_on_it_any_more() {
+    let bench = Bench::new(dumb(false)).await;
+    let page = ConfigurePage::open(&bench.browser).await;
+    // This tab notes whether the other one was there when it made its offer.
+    let watch = "globalThis.offered = null;
+                 new MutationObserver(() => {
+                   if (document.querySelector('[data-test=journal]')) offered ??= localStorage.getItem('other') ?? 'alone';
+                 }).observe(document, { subtree: true, childList: true });";
+    bench.browser.run(watch).await;
+    let write = async || {
+        let told = "localStorage.setItem('other', 'there');
+                    addEventListener('pagehide', () => localStorage.removeItem('other'));";
+        bench.browser.run(told).await;
+        connect(&bench.browser).await;
+        zero(&bench.browser).await;
+        let frame = rtu::encode(UnitId(1), &ZERO).expect("a short frame");
+        bench.wire().wait_for_sent(0, SOON, |sent| sent.windows(frame.len()).any(|bytes| bytes == frame));
+        // The first tab has read the journal, and waits for this one.
+        let waits = "const look = () => navigator.locks.query().then(({ pending }) =>
+                       pending.some(({ name }) => name.startsWith('buslens-journal-')) ? done(true) : setTimeout(look));
+                     look();";
+        bench.browser.run_async(waits).await;
+    };
+    bench.browser.in_another_tab(&site(), write).await;
+    assert!(page.wait_for_journal().await.contains("ero"));
+    assert_eq!(bench.browser.run("return offered").await, "alone");
+    // What one tab does with it, the other one sees.
+    let leave = async || {
+        page.wait_for_journal().await;
+        bench.browser.click("journal-leave").await;
+        bench.browser.click("journal-leave-now").await;
+        page.wait_for_no_journal().await;
+    };
+    bench.browser.in_another_tab(&format!("{}/#/configure", site()), leave).await;
+    page.wait_for_no_journal().await;
+    assert_eq!(kept(&bench.browser, "journals").await, [Value::Null; 0]);
     assert_eq!(bench.browser.complaints().await, [""; 0]);
 }
 
