@@ -192,13 +192,14 @@ impl<'a> ConsolePage<'a> {
         self.browser.click("clear-confirm").await;
     }
 
-    /// Chooses one of the rows in sight, counted from 0 from the top.
+    /// Chooses one of the rows in sight, counted from 0 from the top, once it is there.
     pub async fn choose_row(&self, number: usize) {
-        let script = format!(
+        let row = format!(
             "[...document.querySelectorAll('[data-test=console-row]')]
-               .sort((a, b) => a.dataset.row - b.dataset.row)[{number}].click()"
+               .sort((a, b) => a.dataset.row - b.dataset.row)[{number}]"
         );
-        self.browser.run(&script).await;
+        self.browser.wait_for(&row).await;
+        self.browser.run(&format!("{row}.click()")).await;
     }
 
     /// Marks the chosen row, or takes its mark away.
