@@ -34,7 +34,7 @@ pub(crate) fn profiles_page(app: &'static Workbench) -> El {
                 Some(_) => editor::editor(app),
                 None => el("section")
                     .class("card profile-editor")
-                    .child(el("p").class("empty").say(app, Language::profile_pick)),
+                    .child(el("p").class("empty-page").say(app, Language::profile_pick)),
             })
         })
 }

@@ -90,10 +90,8 @@ fn head(app: &'static Workbench, device: &'static Device) -> El {
         let edits = factory_edits(device.profile(), &have);
         configure.stage(|staged| edits.iter().for_each(|edit| staged.put_edit(device.profile(), edit, &have)));
     };
-    el("header")
-        .child(el("h2").say(app, Language::cfg_title))
-        .child(el("span").class("muted").test("configure-device").live_text(about))
-        .child(el("span").class("space"))
+    let actions = el("div")
+        .class("cfg-actions")
         .child(
             el("span")
                 .class("muted cfg-when")
@@ -113,7 +111,11 @@ fn head(app: &'static Workbench, device: &'static Device) -> El {
                 .live_attr("title", move || Some(app.language.get().cfg_all_factory_hint().to_owned()))
                 .click(stage_factory),
         )
-        .child(file_menu(app))
+        .child(file_menu(app));
+    el("header")
+        .child(el("h2").say(app, Language::cfg_title))
+        .child(el("span").class("muted").test("configure-device").live_text(about))
+        .child(actions)
 }
 
 fn blocked_title(app: &'static Workbench) -> Option<String> {

@@ -150,7 +150,7 @@ async fn set(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
         | Scene::ConsoleSequence
         | Scene::ConsoleBrought => set_console(browser, site, scene).await,
         Scene::DecoderEmpty => {
-            browser.click("disconnect").await;
+            disconnect(browser).await;
             DecoderPage::open_at(browser, site).await;
         }
         Scene::DecoderFrames => {
@@ -288,6 +288,8 @@ async fn set_profiles(browser: &Browser, site: &str, scene: Scene) {
             page.save().await;
             page.show_form().await;
             browser.click_nth("profile-point", 1).await;
+            // The driver scrolls a row into view that is wider than its place.
+            browser.run("document.querySelector('[data-test=profile-point]').closest('.scroll').scrollLeft = 0").await;
         }
         Scene::ProfilesFault => {
             let page = ProfilesPage { browser };
@@ -298,6 +300,11 @@ async fn set_profiles(browser: &Browser, site: &str, scene: Scene) {
         }
         _ => {}
     }
+}
+
+/// Ends the connection that an earlier scene has left, if there is one.
+async fn disconnect(browser: &Browser) {
+    browser.run("document.querySelector('[data-test=disconnect]')?.click()").await;
 }
 
 /// Opens the help of a device over the Live page.
@@ -315,7 +322,7 @@ async fn open_help(browser: &Browser, device: &str) {
 async fn set_console(browser: &Browser, site: &str, scene: Scene) {
     match scene {
         Scene::ConsoleEmpty => {
-            browser.click("disconnect").await;
+            disconnect(browser).await;
             ConsolePage::open_at(browser, site).await.wait_for_line("closed").await;
         }
         Scene::ConsoleLog => {
@@ -425,7 +432,9 @@ async fn set_fleet(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
         }
         Scene::FleetLog => {
             page.pane("audit").await;
-            page.wait_for_entries(6).await;
+            // Those of this page's scenes, and what came of the ones before.
+            let all = "document.querySelector('[data-test=audit-count]')?.dataset.count >= 6";
+            browser.wait_for(all).await;
             browser.click_nth("audit-row", 1).await;
             plug(&[]);
             browser.click("disconnect").await;
@@ -444,6 +453,7 @@ async fn set_configure(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             browser.open(&format!("{site}/#/live")).await;
             let live = LivePage::open(browser).await;
             live.set_line(9600, Parity::Even).await;
+            live.set_unit(1).await;
             live.connect().await;
             live.wait_for(State::Reading).await;
             ConfigurePage::open_at(browser, site).await.wait_until_read().await;
