@@ -162,7 +162,7 @@ async fn check_free(desk: &Desk, profile: &Profile, plan: &Plan) -> Result<(), E
         // Noise is not heard twice.
         for last in [false, true] {
             let is_on_the_way = at > 0 && at + 1 < plan.targets.len();
-            let wait = if is_on_the_way { desk.short_wait(*target) } else { desk.full_wait(*target) };
+            let wait = if is_on_the_way { desk.brief_wait(*target) } else { desk.full_wait(*target) };
             let answer = desk.ask(*target, &request, Some(wait)).await.map_err(stopped)?;
             match answer {
                 Answer::Silence => break,

@@ -181,11 +181,22 @@ impl Desk {
 
     /// How long to wait at these settings for a device that thinks about as long as it did before.
     pub(super) fn short_wait(&self, reach: Reach) -> Duration {
+        self.known_wait(reach, 4, USB_SLACK * 2)
+    }
+
+    /// How long to wait at these settings for another one of the device's own kind, behind the same adapter.
+    pub(super) fn brief_wait(&self, reach: Reach) -> Duration {
+        self.known_wait(reach, 2, USB_SLACK)
+    }
+
+    /// A wait of so many times what the device has needed, if that is known yet.
+    fn known_wait(&self, reach: Reach, times: u32, slack: Duration) -> Duration {
         let slowest = Duration::from_micros(self.0.borrow().device.slowest_us.into());
+        let full = self.full_wait(reach);
         if slowest.is_zero() {
-            return self.full_wait(reach);
+            return full;
         }
-        (slowest * 4 + USB_SLACK + reach.line.character_time(REPLY_CHARACTERS) + USB_SLACK).min(self.full_wait(reach))
+        (slowest * times + slack + reach.line.character_time(REPLY_CHARACTERS)).min(full)
     }
 
     /// How long to wait for the reply to a write that may come with settings that the port has not yet.

@@ -21,8 +21,7 @@ pub(crate) struct Configure {
     pub(super) held: RwSignal<Option<Snapshot>>,
     /// Why the last reading brought nothing.
     pub(super) read_fault: RwSignal<Option<Ended>>,
-    /// Profile and unit id of the device that was read since it was connected or written.
-    read_for: RwSignal<Option<(String, u8)>>,
+    read_for: RwSignal<ReadFor>,
     /// The profile of what is staged.
     staged_for: RwSignal<Option<String>>,
     /// What is typed and not sent.
@@ -72,13 +71,24 @@ pub(super) enum Blocked {
     Running,
 }
 
+/// Which device was read since it was connected or written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum ReadFor {
+    /// None.
+    Nobody,
+    /// None since a change has left one at this unit id: the connection may still be on its way there.
+    Moved(u8),
+    /// The one with this profile and unit id.
+    Device(String, u8),
+}
+
 impl Configure {
     /// Nothing read yet.
     pub(crate) fn remembered() -> Self {
         Self {
             held: RwSignal::new(None),
             read_fault: RwSignal::new(None),
-            read_for: RwSignal::new(None),
+            read_for: RwSignal::new(ReadFor::Nobody),
             staged_for: RwSignal::new(None),
             staged: RwSignal::new(Staged::default()),
             reviewing: RwSignal::new(None),
@@ -185,7 +195,7 @@ impl Configure {
     /// Takes in how something has ended.
     fn take(&self, ended: Ended) {
         let wrote = ended.kind != Kind::Read;
-        let reached = ended.outcome.as_ref().is_ok_and(|report| report.reach.is_some());
+        let reached = ended.outcome.as_ref().ok().and_then(|report| Some(report.reach?.unit.0));
         if let Ok(report) = &ended.outcome {
             self.take_values(report);
             if ended.kind == Kind::Apply {
@@ -196,9 +206,9 @@ impl Configure {
             self.report.set(Some(ended));
             // What stood there has gone, and the focus with it.
             super::focus_soon("configure-work");
-            if reached {
-                // Whatever it was, what the device holds now is read again.
-                self.read_for.set(None);
+            if let Some(unit) = reached {
+                // Whatever it was, what the device holds now is read again, where it is now.
+                self.read_for.set(ReadFor::Moved(unit));
             }
         } else {
             let brought = ended.outcome.as_ref().is_ok_and(|report| report.snapshot.is_some());
@@ -329,19 +339,18 @@ pub(super) fn read_when_new(app: &'static Workbench) {
         let target = app.target().map(|target| (target.device.id().to_owned(), target.reach.unit.0));
         // Nobody knows how a device with an open journal is reached: the ways on that its report offers come first.
         let open = app.blocked(false).is_none() && configure.reported_journal().is_none();
-        let known = configure.read_for.get();
-        match target {
+        match (target, configure.read_for.get()) {
+            (None, ReadFor::Nobody) => {}
             // Unplugged or closed: it is read again when it is back.
-            None => {
-                if known.is_some() {
-                    configure.read_for.set(None);
+            (None, _) => configure.read_for.set(ReadFor::Nobody),
+            (Some((_, unit)), ReadFor::Moved(there)) if there != unit => {}
+            (Some((profile, unit)), known) => {
+                let read = ReadFor::Device(profile, unit);
+                if open && known != read {
+                    configure.read_for.set(read);
+                    untrack(|| configure.read(app));
                 }
             }
-            Some(target) if open && known.as_ref() != Some(&target) => {
-                configure.read_for.set(Some(target));
-                untrack(|| configure.read(app));
-            }
-            Some(_) => {}
         }
     });
 }
