@@ -505,6 +505,11 @@ async fn photograph(bench: &Bench<Line<Lvdt>>, album: &Path, name: &str, look: L
     for dark in [false, true] {
         for (width, height) in WIDTHS {
             bench.browser.look(Look { dark, width, height, ..look }).await;
+            // A page that does not fit a phone is shown smaller.
+            let fits = format!("return document.documentElement.scrollWidth <= {width}");
+            if bench.browser.run(&fits).await != true {
+                println!("{name} {} is wider than {width}", look.language);
+            }
             let picture = bench.browser.picture().await;
             let theme = if dark { "dark" } else { "light" };
             let file = album.join(format!("{name}-{}-{theme}-{width}.png", look.language));
