@@ -414,7 +414,7 @@ async fn every_kind_of_parameter_of_the_users_own_device_is_written_as_its_profi
         ("stroke", "1.2345", "at most 3 digits behind the point"),
         ("gain", "10.5", "allowed: 0 to 10"),
         ("tag", "PD3-07-09", "at most 8 ASCII characters"),
-        ("ramp", "6553.6", "more than its registers can hold"),
+        ("ramp", "6553.6", "allowed: 0.0 to 6553.5"),
         ("limit", "12.5", "a whole number is needed"),
     ] {
         page.type_value(point, typed).await;

@@ -78,7 +78,7 @@ const LEVEL: [Row; 3] = [
         &[(0xFFF4, "\u{2212}0.012"), (0x7FFF, "32.767"), (0x8000, "\u{2212}32.768"), (0, "0.000")],
         // All that 16 bits with sign can hold is a value.
         &[],
-        "more than its registers can hold",
+        "allowed: \u{2212}32.768 to 32.767",
     ),
     Row::new(
         "address",
