@@ -332,6 +332,10 @@ async fn set_console(browser: &Browser, site: &str, scene: Scene) {
             page.send("01 03 00 31 00 01").await;
             page.result("answered").await;
             browser.click("follow").await;
+            // The list stands still, and what is in sight of it has come.
+            let rows = "[...document.querySelectorAll('[data-test=console-row]')]";
+            let come = "document.querySelector('[data-test=follow][aria-pressed=false]') && rows.every((row) => row.innerText.trim())";
+            browser.wait_for(&come.replace("rows", rows)).await;
             page.choose_row(3).await;
             page.comment("nudged by hand").await;
         }
@@ -398,6 +402,7 @@ async fn set_fleet(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             // What lay over the page before does not any more.
             browser.reload().await;
             let live = LivePage::open(browser).await;
+            browser.wait_for("document.querySelector('[data-test=port]')?.value").await;
             live.choose_device("lvdt").await;
             live.set_line(9600, Parity::Even).await;
             live.set_unit(1).await;
@@ -457,6 +462,9 @@ async fn set_configure(bench: &Bench<Line<Lvdt>>, site: &str, scene: Scene) {
             live.connect().await;
             live.wait_for(State::Reading).await;
             ConfigurePage::open_at(browser, site).await.wait_until_read().await;
+            // The sensor is another one than an earlier scene has read.
+            browser.click("read-again").await;
+            page.wait_until_read().await;
         }
         Scene::ConfigureStaged => {
             page.choose("baud", 7).await;
