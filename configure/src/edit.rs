@@ -274,8 +274,9 @@ fn misfit(profile: &Profile, point: &Point, number: Decimal, known: &Known) -> U
     if !grid.contains(number) {
         return Unfit::OutOfRange { first: grid.first, last: grid.last };
     }
+    let is_aligned = |decimals: u8| grid.first.mantissa_with(i8::try_from(decimals).unwrap_or(i8::MAX)).is_some();
     match grid.step {
-        Decimal { mantissa: 1, decimals } => Unfit::TooFine { decimals },
+        Decimal { mantissa: 1, decimals } if is_aligned(decimals) => Unfit::TooFine { decimals },
         step => Unfit::BetweenSteps { step, first: grid.first },
     }
 }

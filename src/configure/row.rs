@@ -36,13 +36,9 @@ impl Held {
         };
         let shown = words::shown(profile, point, registers, have, |texts| words::pick(language, texts));
         let value = shown.as_ref().and_then(|shown| shown.text.as_deref());
-        let text = match value {
-            None => language.cfg_no_value().to_owned(),
-            Some("") => language.cfg_empty().to_owned(),
-            Some(text) => words::with_minus(point, text),
-        };
         Self {
-            text,
+            text: value
+                .map_or_else(|| language.cfg_no_value().to_owned(), |text| words::readable(language, point, text)),
             is_value: value.is_some(),
             unit: shown.as_ref().map_or_else(String::new, |shown| shown.unit.clone()),
             registers: words::registers(registers),
@@ -144,10 +140,13 @@ mod tests {
                 "encoding": { "type": "i16", "decimals": 2 }, "read": [3], "write": [6], "role": "parameter" },
               { "id": "span", "name": { "en": "Span", "zh": "跨度" }, "register": 516,
                 "encoding": { "type": "u16" }, "scale": 5, "offset": 2.5, "read": [3], "write": [6],
+                "role": "parameter" },
+              { "id": "offset", "name": { "en": "Offset", "zh": "偏移" }, "register": 517,
+                "encoding": { "type": "u16", "decimals": 1 }, "offset": 0.05, "read": [3], "write": [6],
                 "role": "parameter" },"#,
             1,
         );
-        let profile = Profile::from_json(&text).expect("four points more");
+        let profile = Profile::from_json(&text).expect("five points more");
         let data = [
             ("tag", Read::Registers(vec![0x412D, 0x2E37])),
             ("mode", Read::Registers(vec![0])),
@@ -164,10 +163,13 @@ mod tests {
         assert_eq!(said("mode"), ("stand-by".to_owned(), String::new()));
         assert_eq!(said("trim"), ("\u{2212}0.12".to_owned(), "in steps of 0.01".to_owned()));
         assert_eq!(said("span"), ("22.5".to_owned(), "in steps of 5".to_owned()));
-        let point = profile.point("span").unwrap();
-        let refused = buslens_configure::Edit::parse(&profile, point, "24", &have).expect_err("it lies between");
-        let told = words::unfit(Language::En, &profile, "span", &refused.why);
-        assert_eq!(told, "in steps of 5, from 2.5 on");
+        for (point, typed, why) in
+            [("span", "24", "in steps of 5, from 2.5 on"), ("offset", "0.1", "in steps of 0.1, from 0.05 on")]
+        {
+            let found = profile.point(point).unwrap();
+            let refused = buslens_configure::Edit::parse(&profile, found, typed, &have).expect_err("it lies between");
+            assert_eq!(words::unfit(Language::En, &profile, point, &refused.why), why);
+        }
     }
 
     #[test]

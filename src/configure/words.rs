@@ -48,9 +48,11 @@ pub(crate) fn shown(
     told.values(profile, language).into_iter().find(|shown| shown.point == point.id)
 }
 
-/// A point's value with a real minus sign. In a name and in a text a hyphen is a hyphen.
-pub(crate) fn with_minus(point: &Point, text: &str) -> String {
+/// A point's value as people read it: with a real minus sign, and a word for a text without characters. In a name and in
+/// a text a hyphen is a hyphen.
+pub(crate) fn readable(language: Language, point: &Point, text: &str) -> String {
     match point.encoding {
+        _ if text.is_empty() => language.cfg_empty().to_owned(),
         Encoding::Code | Encoding::Bits { .. } | Encoding::Text { .. } => text.to_owned(),
         _ => signed(text),
     }
@@ -66,9 +68,8 @@ pub(crate) fn value(
 ) -> String {
     let shown = shown(profile, point, registers, have, |texts| pick(language, texts));
     match shown.and_then(|shown| Some((shown.text?, shown.unit))) {
-        Some((text, _)) if text.is_empty() => language.cfg_empty().to_owned(),
-        Some((text, unit)) if unit.is_empty() => with_minus(point, &text),
-        Some((text, unit)) => [&with_minus(point, &text), " ", &unit].concat(),
+        Some((text, unit)) if unit.is_empty() || text.is_empty() => readable(language, point, &text),
+        Some((text, unit)) => [&readable(language, point, &text), " ", &unit].concat(),
         None => self::registers(registers),
     }
 }

@@ -8,7 +8,7 @@ use buslens_bus::sim::{Course, Device, GaugeCable, Level, Line, Lvdt, Motion};
 use buslens_bus::time::Instant;
 use buslens_codec::UnitId;
 use buslens_codec::line::Mode;
-use buslens_codec::profile::{BUILT_IN, Point, Profile, Role};
+use buslens_codec::profile::{BUILT_IN, Effect, Point, Profile, Role};
 use buslens_tests::pages::{ConfigurePage, LivePage, State};
 use buslens_tests::testbed::{Bench, Strike, Struck, Wire};
 
@@ -106,15 +106,16 @@ fn sensor(profile: &Profile, row: &Row) -> Box<dyn Device> {
         "gauge-cable" => Box::new(GaugeCable::new(1, Course::Rest(1234), Instant::ZERO)),
         _ => Box::new(Level::new(1, Course::Rest(4321))),
     };
-    if brings_defaults(row) {
+    if brings_defaults(profile, row) {
         let register = |id: &str| profile.point(id).expect("it has one").register;
         assert!(sensor.preset(register("address"), AWAY.0.into()) && sensor.preset(register("baud"), AWAY.1));
     }
     sensor
 }
 
-fn brings_defaults(row: &Row) -> bool {
-    row.edits.iter().any(|(point, _)| matches!(point.as_str(), "factory_reset" | "restore_factory"))
+fn brings_defaults(profile: &Profile, row: &Row) -> bool {
+    let mut effects = row.edits.iter().filter_map(|(point, _)| profile.point(point)).flat_map(|point| &point.effects);
+    effects.any(|effect| matches!(effect, Effect::Defaults | Effect::Search))
 }
 
 /// Asks the device past the line.
@@ -170,7 +171,7 @@ impl Cells {
         let before = self.truth();
         let page = LivePage::open(&self.bench.browser).await;
         page.choose_device(&self.profile.id).await;
-        if brings_defaults(row) {
+        if brings_defaults(&self.profile, row) {
             self.bench.browser.choose("baud", &AWAY_BAUD.to_string()).await;
             page.set_unit(AWAY.0).await;
         }
@@ -237,7 +238,7 @@ impl Cells {
         let all = |wanted: &str| outcomes.iter().all(|outcome| outcome.ends_with(&format!(": {wanted}")));
         let after = self.truth();
         match word {
-            "done" if brings_defaults(row) => assert_ne!(after, *before),
+            "done" if brings_defaults(&self.profile, row) => assert_ne!(after, *before),
             "done" => {
                 let mut wanted = before.held.clone();
                 for (id, typed) in &row.edits {

@@ -333,9 +333,9 @@ async fn set_console(browser: &Browser, site: &str, scene: Scene) {
             page.result("answered").await;
             browser.click("follow").await;
             // The list stands still, and what is in sight of it has come.
-            let rows = "[...document.querySelectorAll('[data-test=console-row]')]";
-            let come = "document.querySelector('[data-test=follow][aria-pressed=false]') && rows.every((row) => row.innerText.trim())";
-            browser.wait_for(&come.replace("rows", rows)).await;
+            let come = "document.querySelector('[data-test=follow][aria-pressed=false]') && \
+                        [...document.querySelectorAll('[data-test=console-row]')].every((row) => row.innerText.trim())";
+            browser.wait_for(come).await;
             page.choose_row(3).await;
             page.comment("nudged by hand").await;
         }
